@@ -1,0 +1,76 @@
+// maploc's C++ client: one connection to one server. Every call has a deadline; only calls that are
+// safe to repeat are repeated (StartSession, by its request_id; EndSession and all reads; Localize
+// only outside of a session). gRPC's headers stay in client.cc.
+//
+// Thread-safe.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mapstore/base/status.h"
+#include "mapstore/model/localization.h"
+#include "mapstore/model/map.h"
+#include "mapstore/model/query.h"
+#include "mapstore/model/session.h"
+
+namespace maploc {
+
+struct ClientOptions {
+  std::chrono::milliseconds call_timeout{10000};  // of each attempt
+  int max_attempts = 4;                          // of calls that are safe to repeat, on UNAVAILABLE
+  std::chrono::milliseconds first_backoff{100};  // doubles an attempt
+};
+
+// What GetMap tells of a map.
+struct RemoteMap {
+  MapInfo info;
+  int segments = 0;
+  std::int64_t points = 0;
+  std::int64_t lines = 0;
+  std::int64_t usable_lines = 0;
+};
+
+// What ListSegments tells of a segment.
+struct RemoteSegment {
+  SegmentId id = 0;
+  int points = 0;
+  int lines = 0;
+  int usable_lines = 0;
+  StrategyDecision decision;  // strategy and source alone
+  std::optional<double> point_inlier_ratio;
+  std::optional<double> line_inlier_ratio;
+  std::int64_t sessions = 0;
+  std::int64_t queries = 0;
+  std::int64_t localized = 0;
+  std::vector<Eigen::Vector3d> path_in_map;  // from GetSegment alone
+};
+
+class Client {
+ public:
+  // Does not connect yet: the first call does. `server` is HOST:PORT.
+  explicit Client(const std::string& server, const ClientOptions& options = {});
+  ~Client();
+  Client(Client&&) noexcept;
+  Client& operator=(Client&&) noexcept;
+
+  Result<std::vector<RemoteMap>> ListMaps() const;
+  Result<RemoteMap> GetMap(const std::string& map) const;
+  Result<std::vector<RemoteSegment>> ListSegments(const std::string& map) const;
+  Result<RemoteSegment> GetSegment(const std::string& map, SegmentId id) const;
+
+  Result<SessionId> StartSession(const std::string& map, const std::string& robot,
+                                 const std::map<std::string, std::string>& labels) const;
+  // With `include_matches` the answer holds matches and inliers.
+  Result<Localization> Localize(const Query& query, bool include_matches = false) const;
+  Result<SessionSummary> EndSession(const SessionId& session) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace maploc

@@ -1,0 +1,39 @@
+// Exact nearest neighbours of descriptors, and the ratio and mutual tests. Wide kernels by Google
+// Highway's run-time dispatch over plain bytes. Deterministic; thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mapstore/model/descriptor.h"
+#include "mapstore/model/matches.h"
+
+namespace maploc {
+
+// Best and second best landmark of one query descriptor. Distances: bits (Hamming), or squared
+// (L2).
+struct Neighbours {
+  std::int32_t best = -1;  // landmark; -1 when there are none
+  std::uint32_t best_distance = 0;
+  std::uint32_t second_distance =
+      UINT32_MAX;  // of the best row of ANOTHER landmark; UINT32_MAX when there is none
+};
+
+struct MatchOptions {
+  float max_ratio = 0.8f;  // of distances (not squared): best <= max_ratio * second
+  bool mutual = true;
+  std::uint32_t max_distance = UINT32_MAX;  // as Neighbours' distances
+};
+
+// For each row of `queries`. `row_landmark` maps database rows to landmarks (ascending). REQUIRES:
+// equal kinds; row_landmark.size() == database.size().
+std::vector<Neighbours> FindNeighbours(const Descriptors& queries, const Descriptors& database,
+                                       std::span<const std::int32_t> row_landmark);
+
+// At most one match a feature and one a landmark, ascending by feature.
+std::vector<FeatureMatch> MatchDescriptors(const Descriptors& queries, const Descriptors& database,
+                                           std::span<const std::int32_t> row_landmark,
+                                           const MatchOptions& options = {});
+
+}  // namespace maploc

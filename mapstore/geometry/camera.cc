@@ -1,0 +1,179 @@
+#include "mapstore/geometry/camera.h"
+
+#include <array>
+#include <cmath>
+#include <string>
+
+#include <Eigen/LU>
+
+namespace maploc {
+namespace {
+
+struct ModelTraits {
+  CameraModel model;
+  std::string_view name;
+  int param_count;
+  bool two_focal_lengths;
+};
+
+constexpr std::array<ModelTraits, 6> kModels = {{
+    {CameraModel::kSimplePinhole, "SIMPLE_PINHOLE", 3, false},
+    {CameraModel::kPinhole, "PINHOLE", 4, true},
+    {CameraModel::kSimpleRadial, "SIMPLE_RADIAL", 4, false},
+    {CameraModel::kRadial, "RADIAL", 5, false},
+    {CameraModel::kOpenCv, "OPENCV", 8, true},
+    {CameraModel::kOpenCvFisheye, "OPENCV_FISHEYE", 8, true},
+}};
+
+const ModelTraits& Traits(CameraModel model) { return kModels[static_cast<int>(model)]; }
+
+// Distortion in the normalized plane: radial k1, k2 and tangential p1, p2 (Brown), as OpenCV's
+// pinhole model.
+Eigen::Vector2d DistortBrown(const Eigen::Vector2d& u, double k1, double k2, double p1, double p2) {
+  const double r2 = u.squaredNorm();
+  const double radial = r2 * (k1 + k2 * r2);
+  const double xy = u.x() * u.y();
+  return {u.x() * (1 + radial) + 2 * p1 * xy + p2 * (r2 + 2 * u.x() * u.x()),
+          u.y() * (1 + radial) + 2 * p2 * xy + p1 * (r2 + 2 * u.y() * u.y())};
+}
+
+// Equidistant fisheye (Kannala and Brandt): the angle off the axis is bent by an odd polynomial.
+Eigen::Vector2d DistortFisheye(const Eigen::Vector2d& u, const double* k) {
+  const double r = u.norm();
+  if (r < 1e-12) return u;
+  const double theta = std::atan(r);
+  const double t2 = theta * theta;
+  const double bent = theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
+  return u * (bent / r);
+}
+
+Eigen::Vector2d Distort(CameraModel model, const double* params, const Eigen::Vector2d& u) {
+  switch (model) {
+    case CameraModel::kSimplePinhole:
+    case CameraModel::kPinhole:
+      return u;
+    case CameraModel::kSimpleRadial:
+      return DistortBrown(u, params[3], 0, 0, 0);
+    case CameraModel::kRadial:
+      return DistortBrown(u, params[3], params[4], 0, 0);
+    case CameraModel::kOpenCv:
+      return DistortBrown(u, params[4], params[5], params[6], params[7]);
+    case CameraModel::kOpenCvFisheye:
+      return DistortFisheye(u, params + 4);
+  }
+  return u;
+}
+
+// d distorted / d undistorted by central differences: exact enough for Newton, and one code for
+// every model.
+Eigen::Matrix2d DistortionJacobian(CameraModel model, const double* params,
+                                   const Eigen::Vector2d& u) {
+  constexpr double kStep = 1e-6;
+  Eigen::Matrix2d jacobian;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(axis);
+    jacobian.col(axis) =
+        (Distort(model, params, u + step) - Distort(model, params, u - step)) / (2 * kStep);
+  }
+  return jacobian;
+}
+
+// The fisheye polynomial inverted in the angle, where Newton in the plane would overshoot near 90
+// degrees.
+std::optional<Eigen::Vector2d> UndistortFisheye(const double* k, const Eigen::Vector2d& d) {
+  const double bent = d.norm();
+  if (bent < 1e-12) return d;
+  double theta = std::min(bent, 1.5);
+  for (int i = 0; i < 50; ++i) {
+    const double t2 = theta * theta;
+    const double value = theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3])))) - bent;
+    const double slope = 1 + t2 * (3 * k[0] + t2 * (5 * k[1] + t2 * (7 * k[2] + t2 * 9 * k[3])));
+    if (!(slope > 0)) return std::nullopt;
+    const double step = value / slope;
+    theta -= step;
+    if (std::abs(step) < 1e-14) break;
+  }
+  constexpr double kMaxTheta = 1.5607;  // 0.01 rad short of 90 degrees
+  if (!(theta > 0) || theta > kMaxTheta) return std::nullopt;
+  return d * (std::tan(theta) / bent);
+}
+
+}  // namespace
+
+std::string_view CameraModelName(CameraModel model) { return Traits(model).name; }
+
+std::optional<CameraModel> CameraModelFromName(std::string_view name) {
+  for (const ModelTraits& traits : kModels) {
+    if (traits.name == name) return traits.model;
+  }
+  return std::nullopt;
+}
+
+int CameraParamCount(CameraModel model) { return Traits(model).param_count; }
+
+Camera::Camera(CameraModel model, int width_px, int height_px, std::vector<double> params)
+    : model_(model), width_px_(width_px), height_px_(height_px), params_(std::move(params)) {}
+
+Result<Camera> Camera::Create(CameraModel model, int width_px, int height_px,
+                              std::vector<double> params, std::string_view field) {
+  const std::string name(field);
+  const auto bad_side = [](int side) { return side < 1 || side > kMaxImageSidePx; };
+  if (bad_side(width_px)) return InvalidArgument(name + ".width", "must be in [1, 65536]");
+  if (bad_side(height_px)) return InvalidArgument(name + ".height", "must be in [1, 65536]");
+  const ModelTraits& traits = Traits(model);
+  if (static_cast<int>(params.size()) != traits.param_count) {
+    return InvalidArgument(name + ".params", std::string(traits.name) + " takes " +
+                                                 std::to_string(traits.param_count) +
+                                                 " parameters, got " +
+                                                 std::to_string(params.size()));
+  }
+  for (std::size_t i = 0; i < params.size(); ++i) {
+    const std::string param = name + ".params[" + std::to_string(i) + "]";
+    if (!std::isfinite(params[i])) return InvalidArgument(param, "must be finite");
+    const bool is_focal = i == 0 || (i == 1 && traits.two_focal_lengths);
+    if (is_focal && !(params[i] > 0)) {
+      return InvalidArgument(param, "the focal length must be positive, in pixels");
+    }
+  }
+  return Camera(model, width_px, height_px, std::move(params));
+}
+
+Eigen::Vector2d Camera::focal_lengths_px() const {
+  return {params_[0], params_[Traits(model_).two_focal_lengths ? 1 : 0]};
+}
+
+Eigen::Vector2d Camera::principal_point_px() const {
+  const int first = Traits(model_).two_focal_lengths ? 2 : 1;
+  return {params_[first], params_[first + 1]};
+}
+
+double Camera::MeanFocalLengthPx() const {
+  const Eigen::Vector2d f = focal_lengths_px();
+  return std::sqrt(f.x() * f.y());
+}
+
+std::optional<Eigen::Vector2d> Camera::Normalize(const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector2d distorted =
+      (pixel - principal_point_px()).cwiseQuotient(focal_lengths_px());
+  if (model_ == CameraModel::kSimplePinhole || model_ == CameraModel::kPinhole) return distorted;
+  if (model_ == CameraModel::kOpenCvFisheye) return UndistortFisheye(&params_[4], distorted);
+  Eigen::Vector2d u = distorted;
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector2d error = Distort(model_, params_.data(), u) - distorted;
+    const Eigen::Matrix2d jacobian = DistortionJacobian(model_, params_.data(), u);
+    // Past the fold of the polynomial the inverse is another branch: not this pixel's ray.
+    if (!(jacobian.determinant() > 1e-6)) return std::nullopt;
+    const Eigen::Vector2d step = jacobian.inverse() * error;
+    u -= step;
+    if (step.squaredNorm() < 1e-24) return u;
+  }
+  return std::nullopt;
+}
+
+std::optional<Eigen::Vector2d> Camera::Project(const Eigen::Vector3d& point_in_camera) const {
+  if (!(point_in_camera.z() > 0)) return std::nullopt;
+  const Eigen::Vector2d u = point_in_camera.head<2>() / point_in_camera.z();
+  return Distort(model_, params_.data(), u).cwiseProduct(focal_lengths_px()) + principal_point_px();
+}
+
+}  // namespace maploc

@@ -1,0 +1,38 @@
+// Gravity: a unit vector pointing DOWN. In every map it is exactly (0, 0, -1).
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "mapstore/geometry/rigid3.h"
+
+namespace maploc {
+
+inline const Eigen::Vector3d kGravityInMap(0.0, 0.0, -1.0);
+
+// The shortest rotation `camera_from_aligned` (design.md: R_ca) with R * (0, 0, -1) =
+// gravity_in_camera. Well defined for every unit vector: for gravity along +z it is a half turn
+// about x. In the aligned frame only yaw and translation are unknown. REQUIRES: |gravity_in_camera|
+// = 1 within 1e-6.
+Eigen::Quaterniond CameraFromAligned(const Eigen::Vector3d& gravity_in_camera);
+
+// The direction of gravity that a pose implies, in the camera. The pose's map has z up.
+Eigen::Vector3d GravityInCamera(const Eigen::Quaterniond& camera_from_map);
+
+// Angle in radians between two unit vectors, in [0, pi]; accurate near 0 and pi.
+double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+
+struct GravityEstimate {
+  Eigen::Vector3d gravity_in_source = Eigen::Vector3d(0.0, 0.0, -1.0);  // unit, down
+  double spread_rad = 0.0;  // one standard deviation of the cameras' tilt about the estimate
+};
+
+// Gravity in the model's frame, guessed from posed photos: photos are mostly taken with the image's
+// x axis level, so "down" is the direction most nearly perpendicular to all x axes (smallest
+// eigenvector), signed by the y axes. Returns spread_rad = pi / 2 when the poses do not determine
+// it (fewer than two photos or all of one direction).
+GravityEstimate EstimateGravityFromPoses(std::span<const Rigid3> camera_from_source);
+
+}  // namespace maploc

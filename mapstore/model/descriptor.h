@@ -1,0 +1,48 @@
+// Descriptors: what kind they are, and rows of bytes. A map has one kind for points and one for
+// lines; a query's kinds must equal them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mapstore/base/status.h"
+
+namespace maploc {
+
+enum class DescriptorMetric {
+  kHamming = 1,  // bits that differ
+  kL2U8 = 2,     // Euclidean over unsigned bytes
+};
+
+struct DescriptorKind {
+  std::string name;  // "orb", "sift_root_u8", "sift_u8", "lbd", "binary48", ...; lower case, empty
+                     // for "none"
+  int bytes = 0;     // of one descriptor, in [1, kMaxDescriptorBytes]; 0 for "none"
+  DescriptorMetric metric = DescriptorMetric::kHamming;
+
+  bool operator==(const DescriptorKind&) const = default;
+};
+
+inline constexpr int kMaxDescriptorBytes = 512;
+
+// A known name: "orb" (32 bytes, Hamming), "sift_root_u8" (128, L2: L1-root normalized, times 512
+// as COLMAP does), "sift_u8" (128, L2: OpenCV's own scale), "lbd" (32 bytes, Hamming), "binaryN" (N
+// bytes, Hamming). Error: names the known ones.
+Result<DescriptorKind> DescriptorKindFromName(std::string_view name);
+
+// Rows of equal length in one block. Plain value.
+struct Descriptors {
+  DescriptorKind kind;
+  std::vector<std::uint8_t> bytes;  // row-major; size() * kind.bytes
+
+  int size() const { return kind.bytes == 0 ? 0 : static_cast<int>(bytes.size()) / kind.bytes; }
+  std::span<const std::uint8_t> row(int index) const {
+    return {bytes.data() + static_cast<std::size_t>(index) * kind.bytes,
+            static_cast<std::size_t>(kind.bytes)};
+  }
+};
+
+}  // namespace maploc

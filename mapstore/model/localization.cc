@@ -1,0 +1,30 @@
+#include "mapstore/model/localization.h"
+
+namespace maploc {
+
+std::string_view OutcomeName(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kLocalized:
+      return "LOCALIZED";
+    case Outcome::kTooFewMatches:
+      return "TOO_FEW_MATCHES";
+    case Outcome::kNoConsensus:
+      return "NO_CONSENSUS";
+    case Outcome::kLowConfidence:
+      return "LOW_CONFIDENCE";
+    case Outcome::kGravityInconsistent:
+      return "GRAVITY_INCONSISTENT";
+    case Outcome::kOutOfMap:
+      return "OUT_OF_MAP";
+  }
+  return "UNKNOWN";
+}
+
+std::optional<Outcome> OutcomeFromName(std::string_view name) {
+  for (int i = 1; i <= 6; ++i) {
+    if (OutcomeName(static_cast<Outcome>(i)) == name) return static_cast<Outcome>(i);
+  }
+  return std::nullopt;
+}
+
+}  // namespace maploc

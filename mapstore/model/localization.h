@@ -1,0 +1,81 @@
+// The answer to one query: a pose with its evidence, or the reason why there is none.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mapstore/base/ids.h"
+#include "mapstore/geometry/rigid3.h"
+#include "mapstore/model/matches.h"
+#include "mapstore/model/strategy.h"
+
+namespace maploc {
+
+// "Not localized" is a normal answer. A pose comes with kLocalized alone. The numbers are the
+// wire's.
+enum class Outcome {
+  kLocalized = 1,
+  kTooFewMatches = 2,
+  kNoConsensus = 3,          // no hypothesis gathered more support than chance
+  kLowConfidence = 4,        // a pose was found but its evidence is too weak to be trusted
+  kGravityInconsistent = 5,  // the pose contradicts the gravity that was sent
+  kOutOfMap = 6,             // no segment could be near
+};
+
+std::string_view OutcomeName(Outcome outcome);  // "LOCALIZED", "TOO_FEW_MATCHES", ...
+std::optional<Outcome> OutcomeFromName(std::string_view name);
+
+// Row-major order x, y, z, rotX, rotY, rotZ: fixed axes of the map frame, as
+// geometry_msgs/PoseWithCovariance. (map unit, rad)
+using PoseCovariance = Eigen::Matrix<double, 6, 6>;
+
+struct FeatureCounts {
+  std::int32_t matches = 0;
+  std::int32_t inliers = 0;  // under the FINAL pose, after refinement
+  bool operator==(const FeatureCounts&) const = default;
+};
+
+// What the estimator saw, for the answer and for the statistics.
+struct Evidence {
+  FeatureCounts points;
+  FeatureCounts usable_lines;            // tilt of 10 degrees or more
+  FeatureCounts vertical_lines;          // the others
+  Strategy strategy = Strategy::kMixed;  // that found the pose, or was tried last
+  bool fell_back = false;                // `strategy` is not the one that was chosen at first
+  std::int32_t iterations = 0;           // evaluated hypotheses, over all strategies tried
+  double gravity_disagreement_rad =
+      0.0;                  // between the measured gravity and the pose's; 0 without a pose
+  double confidence = 0.0;  // probability that the pose is right, in [0, 1]
+};
+
+// Where the time of one Localize went, in order of the pipeline.
+struct StageTimes {
+  double convert_ms = 0.0;
+  double retrieval_ms = 0.0;
+  double matching_ms = 0.0;
+  double ransac_ms = 0.0;
+  double refinement_ms = 0.0;
+  double total_ms = 0.0;
+};
+
+struct Localization {
+  Outcome outcome = Outcome::kNoConsensus;
+  MapKey map;
+  SegmentId segment = -1;  // the one that answered, else the best ranked; -1 with kOutOfMap
+  std::optional<Rigid3> map_from_body;                 // with kLocalized alone
+  PoseCovariance covariance = PoseCovariance::Zero();  // never zero with kLocalized
+  Evidence evidence;
+  StrategySource strategy_source =
+      StrategySource::kDefault;  // of the segment's recorded (or requested) strategy
+  StageTimes times;
+  Matches matches;                               // in the segment that answered
+  std::vector<std::uint8_t> point_match_inlier;  // one a point match, 0 or 1
+  std::vector<std::uint8_t> line_match_inlier;   // one a line match
+};
+
+}  // namespace maploc

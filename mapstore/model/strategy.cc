@@ -1,0 +1,59 @@
+#include "mapstore/model/strategy.h"
+
+namespace maploc {
+
+std::string_view StrategyName(Strategy strategy) {
+  switch (strategy) {
+    case Strategy::k1P1L:
+      return "1p1l";
+    case Strategy::k2P:
+      return "2p";
+    case Strategy::kMixed:
+      return "mixed";
+    case Strategy::kP3P:
+      return "p3p";
+  }
+  return "unknown";
+}
+
+std::optional<Strategy> StrategyFromName(std::string_view name) {
+  for (const Strategy s : {Strategy::k1P1L, Strategy::k2P, Strategy::kMixed, Strategy::kP3P}) {
+    if (StrategyName(s) == name) return s;
+  }
+  return std::nullopt;
+}
+
+std::string_view StrategySourceName(StrategySource source) {
+  switch (source) {
+    case StrategySource::kDefault:
+      return "default";
+    case StrategySource::kLearned:
+      return "learned";
+    case StrategySource::kPinned:
+      return "pinned";
+    case StrategySource::kRequested:
+      return "requested";
+  }
+  return "unknown";
+}
+
+std::string_view RefinementName(Refinement refinement) {
+  switch (refinement) {
+    case Refinement::kAuto:
+      return "auto";
+    case Refinement::k4Dof:
+      return "4dof";
+    case Refinement::k6Dof:
+      return "6dof";
+  }
+  return "unknown";
+}
+
+std::optional<Refinement> RefinementFromName(std::string_view name) {
+  for (const Refinement r : {Refinement::kAuto, Refinement::k4Dof, Refinement::k6Dof}) {
+    if (RefinementName(r) == name) return r;
+  }
+  return std::nullopt;
+}
+
+}  // namespace maploc

@@ -1,0 +1,40 @@
+// Which strategy a segment should use (paper section IV, design.md section 6).
+#pragma once
+
+#include <span>
+
+#include "mapstore/model/session.h"
+#include "mapstore/statistics/statistics.h"
+
+namespace maploc {
+
+// Probability that one draw is all inliers. Each in [0, 1], and 0 where it cannot be drawn.
+struct DrawProbabilities {
+  double p1p1l = 0.0;  // lambda gamma
+  double p2p = 0.0;    // lambda (lambda p - 1) / (p - 1)
+  double mixed = 0.0;  // lambda (lambda p + gamma l - 1) / (p + l - 1)
+};
+
+// p, l: point and usable-line matches of a query; lambda, gamma: their inlier rates.
+DrawProbabilities ComputeDrawProbabilities(double p, double l, double lambda, double gamma);
+
+struct SelectorOptions {
+  StatisticsOptions statistics;
+  std::int64_t min_localized_queries = 10;  // evidence before the strategy leaves "mixed"
+  double prior_matches = 10.0;              // weak Beta prior: this many matches ...
+  double prior_inlier_ratio = 0.3;          // ... at this rate
+  double hysteresis =
+      0.15;  // a new strategy must beat the current one's expected time to success by this share
+  // Nanoseconds of one iteration (solve and score) of each strategy, relative figures suffice.
+  double cost_1p1l = 1.0;
+  double cost_2p = 1.0;
+  double cost_mixed = 1.0;
+};
+
+// The decision after all rows, replayed from the first (hysteresis folds over the same order).
+// Pure: the same rows give the same decision. REQUIRES: rows in the order (session_start_unix_ns,
+// session).
+StrategyDecision SelectStrategy(std::span<const SegmentSessionRow> rows,
+                                const SelectorOptions& options = {});
+
+}  // namespace maploc

@@ -1,0 +1,103 @@
+// The store's interface: maps and their segments, sessions and their observations, statistics and
+// strategies. One contract suite (tests/contract) holds for every implementation.
+//
+// Thread-safe: every method may be called from any thread. Reads see what was committed before they
+// began. A write is one transaction: when it returns ok it is on disk, when it does not nothing has
+// changed. Unknown things are NOT_FOUND.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mapstore/base/ids.h"
+#include "mapstore/base/status.h"
+#include "mapstore/model/map.h"
+#include "mapstore/model/session.h"
+
+namespace maploc {
+
+struct MapSummary {
+  MapInfo info;
+  std::int64_t segments = 0;
+  std::int64_t points = 0;  // distinct landmarks in all segments
+  std::int64_t lines = 0;
+  std::int64_t usable_lines = 0;
+};
+
+struct SegmentSummary {
+  SegmentId id = 0;
+  std::int64_t points = 0;
+  std::int64_t lines = 0;
+  std::int64_t usable_lines = 0;
+  std::vector<Eigen::Vector3d> path_in_map;
+  SegmentStatistics statistics;
+  StrategyDecision decision;
+};
+
+// An import in progress, invisible to readers until Commit. Destroyed without it, nothing remains.
+// Not thread-safe.
+class MapWriter {
+ public:
+  virtual ~MapWriter() = default;
+  // The name and the version that Commit will publish.
+  virtual const MapKey& key() const = 0;
+  // REQUIRES: ids ascend from 0 without gaps. The segment is validated (ValidateSegment); its `map`
+  // is ignored. One short transaction a segment.
+  virtual Status AddSegment(const Segment& segment) = 0;
+  // Publishes the version, with the counts of distinct landmarks. At most once.
+  virtual Status Commit() = 0;
+};
+
+class MapStore {
+ public:
+  virtual ~MapStore() = default;
+
+  // Newest version of each map, by name.
+  virtual Result<std::vector<MapSummary>> ListMaps() const = 0;
+  // Newest version.
+  virtual Result<MapSummary> GetMap(const std::string& name) const = 0;
+  virtual Result<MapSummary> GetMap(const MapKey& key) const = 0;
+  virtual Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const = 0;
+  virtual Result<SegmentSummary> GetSegment(const MapKey& key, SegmentId id) const = 0;
+  // The landmarks. DATA_LOSS where a blob's length does not fit its count.
+  virtual Result<std::shared_ptr<const Segment>> LoadSegment(const MapKey& key,
+                                                             SegmentId id) const = 0;
+
+  // Starts an import of a new version of info.key.name (info.key.version is ignored).
+  virtual Result<std::unique_ptr<MapWriter>> BeginImport(const MapInfo& info) = 0;
+  // Deletes what dead imports left behind (not those of a living process).
+  virtual Status SweepAbandonedImports() = 0;
+
+  // REQUIRES: session.end == kOpen. ALREADY_EXISTS for a known id.
+  virtual Status StartSession(const Session& session) = 0;
+  virtual Result<Session> GetSession(const SessionId& id) const = 0;
+  // By start, then id.
+  virtual Result<std::vector<Session>> ListSessions() const = 0;
+  // Idempotent by (session, sequence). FAILED_PRECONDITION (SESSION_CLOSED) after its end. Segments
+  // must exist (or be -1).
+  virtual Status AppendObservations(const SessionId& id,
+                                    std::span<const Observation> observations) = 0;
+  virtual Result<std::vector<Observation>> ListObservations(const SessionId& id) const = 0;
+  // ONE transaction: `last` is appended (idempotent), the session's observations fold into rows,
+  // the visited segments' statistics and strategies are derived anew, the summary is kept.
+  // Repeated: the kept summary, and nothing changes.
+  virtual Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end,
+                                            std::int64_t end_unix_ns,
+                                            std::span<const Observation> last) = 0;
+  // A segment's unrevoked rows in folding order (start, session).
+  virtual Result<std::vector<SegmentSessionRow>> ListRows(const MapKey& key,
+                                                          SegmentId id) const = 0;
+  // Fixes a segment's strategy, or gives it back to the selector (nullopt).
+  virtual Status PinStrategy(const MapKey& key, SegmentId id, std::optional<Strategy> pinned) = 0;
+
+  // Rises with every committed change that a cache of maps or strategies must see, also by other
+  // processes. Cheap.
+  virtual Result<std::int64_t> ChangeCounter() const = 0;
+  // Reads everything and checks every invariant; names what is broken.
+  virtual Status Verify() const = 0;
+};
+
+}  // namespace maploc

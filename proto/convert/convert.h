@@ -1,0 +1,50 @@
+// Wire <-> domain. The only parser at the door: what comes out of a FromProto here is valid, and
+// nobody checks again. Errors are INVALID_ARGUMENT and start with the field's path as it stands in
+// the .proto ("views[0].points.coordinates_pixels"). Every count is bounded before anything is
+// allocated. Pure; thread-safe.
+#pragma once
+
+#include "mapstore/base/status.h"
+#include "mapstore/model/localization.h"
+#include "mapstore/model/map.h"
+#include "mapstore/model/query.h"
+#include "mapstore/model/session.h"
+
+namespace maploc::v1 {
+class DescriptorKind;
+class EndSessionResponse;
+class LocalizeRequest;
+class LocalizeResponse;
+class Rigid3;
+class Similarity3;
+}  // namespace maploc::v1
+
+namespace maploc {
+
+inline constexpr int kMaxFeatures = 20000;  // of one kind in a view
+
+Result<Query> QueryFromProto(const v1::LocalizeRequest& request);
+// REQUIRES: a valid query.
+void QueryToProto(const Query& query, bool include_matches, v1::LocalizeRequest* request);
+
+void LocalizationToProto(const Query& query, const Localization& localization, bool include_matches,
+                         v1::LocalizeResponse* response);
+// `map` is the name the query asked for. The matches' landmarks stay 0: the wire does not carry
+// them.
+Result<Localization> LocalizationFromProto(const v1::LocalizeResponse& response,
+                                           const std::string& map);
+
+void SessionSummaryToProto(const SessionSummary& summary, v1::EndSessionResponse* response);
+Result<SessionSummary> SessionSummaryFromProto(const v1::EndSessionResponse& response,
+                                               const SessionId& session);
+
+Result<DescriptorKind> DescriptorKindFromProto(const v1::DescriptorKind& kind,
+                                               const std::string& field);
+void DescriptorKindToProto(const DescriptorKind& kind, v1::DescriptorKind* proto);
+Result<Rigid3> Rigid3FromProto(const v1::Rigid3& rigid, const std::string& field);
+void Rigid3ToProto(const Rigid3& rigid, v1::Rigid3* proto);
+Result<Similarity3> Similarity3FromProto(const v1::Similarity3& similarity,
+                                         const std::string& field);
+void Similarity3ToProto(const Similarity3& similarity, v1::Similarity3* proto);
+
+}  // namespace maploc

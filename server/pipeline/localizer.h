@@ -1,0 +1,45 @@
+// The only place that knows every stage: retrieval -> matching -> RANSAC -> refinement ->
+// judgement.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "mapstore/base/clock.h"
+#include "mapstore/base/status.h"
+#include "mapstore/model/localization.h"
+#include "mapstore/model/map.h"
+#include "mapstore/model/query.h"
+#include "mapstore/model/session.h"
+
+namespace maploc {
+
+// One map version in memory, with the strategies in force. Immutable; replaced as a whole when the
+// store changes.
+struct MapSnapshot {
+  struct Entry {
+    std::shared_ptr<const Segment> segment;
+    StrategyDecision decision;
+  };
+  MapInfo info;
+  std::vector<Entry> segments;  // by segment id
+};
+
+struct LocalizerOptions {
+  int max_segments_tried = 3;  // best ranked first
+  double max_reprojection_error_px = 4.0;
+  double min_confidence = 0.99;
+  std::uint64_t seed =
+      1;  // mixed with the query's content, so that the same request gives the same answer
+};
+
+// Pure: the same query, snapshot and options give the same answer (times apart). Thread-safe.
+// Errors: FAILED_PRECONDITION (DESCRIPTOR_KIND_MISMATCH), DEADLINE_EXCEEDED, CANCELLED,
+// INVALID_ARGUMENT (absent gravity).
+Result<Localization> Localize(const Query& query, const MapSnapshot& map,
+                              const LocalizerOptions& options, Deadline deadline,
+                              const std::atomic<bool>* cancelled);
+
+}  // namespace maploc

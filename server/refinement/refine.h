@@ -1,0 +1,37 @@
+// From a consensus to the pose: nonlinear least squares over inlier points and lines (Ceres), and
+// its covariance.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mapstore/geometry/rigid3.h"
+#include "mapstore/model/localization.h"
+#include "mapstore/model/matches.h"
+#include "mapstore/model/strategy.h"
+
+namespace maploc {
+
+struct RefineOptions {
+  Refinement mode = Refinement::kAuto;
+  double pixel_sigma = 1.0;  // noise of a keypoint and of a line's end point, in pixels
+  double max_reprojection_error_px = 4.0;  // inliers are gathered anew under each refined pose
+  int max_rounds = 4;                      // of gathering and refining, until the inliers stay
+};
+
+struct RefinedPose {
+  bool converged = false;
+  Rigid3 camera_from_map;
+  // Of map_from_camera: order and frame as PoseCovariance says. For a fixed gravity its own
+  // uncertainty is propagated, so that roll and pitch are never zero.
+  PoseCovariance covariance = PoseCovariance::Zero();
+  std::vector<std::uint8_t> point_inliers;  // under the final pose
+  std::vector<std::uint8_t> line_inliers;
+  double gravity_disagreement_rad = 0.0;
+};
+
+// Deterministic; thread-safe. Without gravity the mode is 6Dof.
+RefinedPose RefinePose(const PoseProblem& problem, const Rigid3& camera_from_map,
+                       const RefineOptions& options);
+
+}  // namespace maploc
