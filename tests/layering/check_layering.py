@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""Checks the house's rules (README.md beside this file) over every source file. Prints each breach as file:line.
+
+usage: check_layering.py SOURCE_DIR
+"""
+
+import pathlib
+import re
+import sys
+
+# A folder may include itself and what stands here, and what those may include (the direction of design.md section 4).
+MAY_INCLUDE = {
+    "mapstore/base": [],
+    "mapstore/geometry": ["mapstore/base"],
+    "mapstore/model": ["mapstore/geometry"],
+    "mapstore/descriptors": ["mapstore/model"],
+    "mapstore/features": ["mapstore/model"],
+    "mapstore/formats": ["mapstore/model"],
+    "mapstore/statistics": ["mapstore/model"],
+    "mapstore/store": ["mapstore/descriptors", "mapstore/features", "mapstore/formats", "mapstore/statistics"],
+    "mapstore/importers": ["mapstore/store"],
+    "mapstore/tools": ["mapstore/importers"],
+    "proto/convert": ["mapstore/model"],
+    "server/solvers": ["mapstore/model"],
+    "server/ransac": ["server/solvers"],
+    "server/refinement": ["mapstore/model"],
+    "server/matching": ["mapstore/descriptors"],
+    "server/retrieval": ["mapstore/descriptors"],
+    "server/pipeline": ["server/ransac", "server/refinement", "server/matching", "server/retrieval"],
+    "server/sessions": ["server/pipeline", "mapstore/store"],
+    "server/service": ["server/pipeline", "server/sessions", "proto/convert"],
+    "server/app": ["server/service"],
+    "client/api": ["proto/convert", "mapstore/model"],
+    "client/robot": ["client/api", "mapstore/features", "mapstore/formats"],
+    "client/cli": ["client/robot"],
+}
+
+# Third-party headers and where alone they may stand (regular expressions on the include and on the file).
+CONFINED = [
+    (r"sqlite3\.h", r"mapstore/(store|formats)/sqlite_[^/]*$|tests/"),
+    (r"grpc(pp|\+\+)?/.*|.*\.grpc\.pb\.h", r"(server/service|server/app|client/api|tests)/"),
+    (r"maploc/v1/.*\.pb\.h", r"(server/service|server/app|client/api|proto/convert|tests)/"),
+    (r"ceres/.*", r"(server/refinement|tests)/|mapstore/importers/[^/]*triangulat[^/]*$"),
+    (r"opencv2/.*", r"(mapstore/features|client|tests)/"),
+]
+
+OWN = re.compile(r"^(proto|mapstore|server|client|tests)/")
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+MAX_LINES = 400
+
+
+def reachable(folder):
+    seen, stack = set(), [folder]
+    while stack:
+        here = stack.pop()
+        if here not in seen:
+            seen.add(here)
+            stack.extend(MAY_INCLUDE.get(here, []))
+    return seen
+
+
+def check_include(name, folder, included):
+    if OWN.match(included):
+        target = "/".join(included.split("/")[:2])
+        if folder in MAY_INCLUDE and target not in reachable(folder):
+            yield f"{folder} may not include {target}"
+        if folder not in MAY_INCLUDE and not name.startswith("tests/"):
+            yield f"{folder} is not a room of the house; add it to check_layering.py"
+    for header, allowed in CONFINED:
+        if re.fullmatch(header, included) and not re.search(allowed, name):
+            yield f"{included} may stand only in {allowed}"
+
+
+def check_file(root, path):
+    name = path.relative_to(root).as_posix()
+    folder = "/".join(name.split("/")[:2])
+    lines = path.read_text(encoding="utf-8").splitlines()
+    for number, line in enumerate(lines, 1):
+        match = INCLUDE.match(line)
+        if match:
+            for breach in check_include(name, folder, match.group(1)):
+                yield f"{name}:{number}: {breach}"
+    if len(lines) > MAX_LINES:
+        yield f"{name}: {len(lines)} lines; above {MAX_LINES} a file needs a second room"
+
+
+def check_readmes(root):
+    for folder in MAY_INCLUDE:
+        if not (root / folder / "README.md").exists():
+            yield f"{folder}: has no README.md"
+
+
+def main():
+    root = pathlib.Path(sys.argv[1])
+    files = [p for top in ("proto", "mapstore", "server", "client", "tests") for p in sorted((root / top).rglob("*"))
+             if p.suffix in (".h", ".cc")]
+    breaches = [b for path in files for b in check_file(root, path)] + list(check_readmes(root))
+    print("\n".join(breaches) if breaches else f"{len(files)} files keep the layering.")
+    return 1 if breaches or not files else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
