@@ -3,29 +3,15 @@
 #pragma once
 
 #include <atomic>
-#include <memory>
-#include <span>
-#include <vector>
+#include <cstdint>
 
 #include "mapstore/base/clock.h"
 #include "mapstore/base/status.h"
 #include "mapstore/model/localization.h"
-#include "mapstore/model/map.h"
 #include "mapstore/model/query.h"
-#include "mapstore/model/session.h"
+#include "server/pipeline/map_snapshot.h"
 
 namespace maploc {
-
-// One map version in memory, with the strategies in force. Immutable; replaced as a whole when the
-// store changes.
-struct MapSnapshot {
-  struct Entry {
-    std::shared_ptr<const Segment> segment;
-    StrategyDecision decision;
-  };
-  MapInfo info;
-  std::vector<Entry> segments;  // by segment id
-};
 
 struct LocalizerOptions {
   int max_segments_tried = 3;  // best ranked first

@@ -1,0 +1,36 @@
+// What place recognition searches: every distinct point landmark of a map version once, with the
+// segments that hold it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "mapstore/model/descriptor.h"
+#include "mapstore/model/map.h"
+
+namespace maploc {
+
+// Immutable after Build, hence thread-safe.
+class PlaceIndex {
+ public:
+  // Landmarks shared by segments are taken once, from the first that holds them. Memory: the
+  // landmarks' descriptors once more, 4 bytes a row, and 4 bytes a landmark and segment holding it.
+  static PlaceIndex Build(std::span<const std::shared_ptr<const Segment>> segments);
+
+  int landmark_count() const { return static_cast<int>(segment_begin_.size()) - 1; }
+  const Descriptors& descriptors() const { return descriptors_; }
+  // One a descriptor row, ascending: index of a landmark of this index, in [0, landmark_count()).
+  std::span<const std::int32_t> row_landmark() const { return row_landmark_; }
+  // Indices into Build's segments, ascending.
+  std::span<const std::int32_t> SegmentsOf(std::int32_t landmark) const;
+
+ private:
+  Descriptors descriptors_;
+  std::vector<std::int32_t> row_landmark_;
+  std::vector<std::int32_t> segment_begin_ = {0};  // of each landmark in holders_, and the end
+  std::vector<std::int32_t> holders_;
+};
+
+}  // namespace maploc
