@@ -10,8 +10,10 @@ namespace maploc {
 Eigen::Quaterniond CameraFromAligned(const Eigen::Vector3d& gravity_in_camera) {
   // Quaternion of the shortest rotation from a = (0,0,-1) to g: (1 + a.g, a x g), normalized.
   const Eigen::Vector3d& g = gravity_in_camera;
-  const double w = 1.0 - g.z();
-  if (w < 1e-12) return Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
+  const double horizontal2 = g.head<2>().squaredNorm();
+  if (horizontal2 == 0.0 && g.z() > 0) return Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
+  // 1 - g.z cancels near +z; there it is horizontal2 / (1 + g.z).
+  const double w = g.z() > 0 ? horizontal2 / (1.0 + g.z()) : 1.0 - g.z();
   return Eigen::Quaterniond(w, g.y(), -g.x(), 0.0).normalized();
 }
 

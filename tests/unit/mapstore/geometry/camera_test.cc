@@ -1,0 +1,101 @@
+#include "mapstore/geometry/camera.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/seed.h"
+
+namespace maploc {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Case {
+  CameraModel model;
+  std::vector<double> params;
+};
+
+class CameraModelTest : public ::testing::TestWithParam<Case> {};
+
+TEST_P(CameraModelTest, NormalizeUndoesProjectOverTheWholeImage) {
+  const Camera camera = Camera::Create(GetParam().model, 752, 480, GetParam().params).value();
+  for (int x = 0; x < 752; x += 47) {
+    for (int y = 0; y < 480; y += 40) {
+      const Eigen::Vector2d pixel(x, y);
+      const auto normalized = camera.Normalize(pixel);
+      ASSERT_TRUE(normalized.has_value()) << pixel.transpose();
+      const auto projected = camera.Project(3.0 * normalized->homogeneous());
+      ASSERT_TRUE(projected.has_value());
+      EXPECT_LT((*projected - pixel).norm(), 1e-9) << pixel.transpose();
+    }
+  }
+}
+
+TEST_P(CameraModelTest, NameAndNumberGoTogether) {
+  const CameraModel model = GetParam().model;
+  EXPECT_EQ(CameraModelFromName(CameraModelName(model)), model);
+  EXPECT_EQ(CameraParamCount(model), static_cast<int>(GetParam().params.size()));
+}
+
+TEST_P(CameraModelTest, RefusesAWrongCountZeroFocalLengthAndNaN) {
+  const auto create = [](std::vector<double> params) {
+    return Camera::Create(GetParam().model, 640, 480, std::move(params), "views[0].camera")
+        .status();
+  };
+  std::vector<double> params = GetParam().params;
+  params[0] = 0.0;
+  EXPECT_THAT(create(params).message(), HasSubstr("views[0].camera.params[0]"));
+  params = GetParam().params;
+  params.back() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(create(params).message(), HasSubstr("must be finite"));
+  params.pop_back();
+  EXPECT_THAT(create(params).message(), HasSubstr("parameters, got"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, CameraModelTest,
+                         ::testing::Values(Case{CameraModel::kSimplePinhole, {500, 376, 240}},
+                                           Case{CameraModel::kPinhole, {500, 510, 376, 240}},
+                                           Case{CameraModel::kSimpleRadial, {500, 376, 240, -0.1}},
+                                           Case{CameraModel::kRadial, {500, 376, 240, -0.1, 0.02}},
+                                           Case{CameraModel::kOpenCv,
+                                                {458.65, 457.3, 367.2, 248.4, -0.2834, 0.074,
+                                                 0.00019, 1.8e-5}},
+                                           Case{CameraModel::kOpenCvFisheye,
+                                                {380, 380, 376, 240, -0.01, 0.02, -0.01, 0.002}}));
+
+// Independent arithmetic, written out for one point: x/z = 0.5, y/z = -0.25, r2 = 0.3125.
+TEST(CameraTest, ProjectsOpenCvModelAsDocumented) {
+  const Camera camera =
+      Camera::Create(CameraModel::kOpenCv, 640, 480, {400, 410, 320, 240, 0.1, 0.01, 0.001, 0.002})
+          .value();
+  const double radial = 1 + 0.1 * 0.3125 + 0.01 * 0.3125 * 0.3125;
+  const double x = 0.5 * radial + 2 * 0.001 * (0.5 * -0.25) + 0.002 * (0.3125 + 2 * 0.25);
+  const double y = -0.25 * radial + 0.001 * (0.3125 + 2 * 0.0625) + 2 * 0.002 * (0.5 * -0.25);
+  const auto pixel = camera.Project(Eigen::Vector3d(1.0, -0.5, 2.0));
+  ASSERT_TRUE(pixel.has_value());
+  EXPECT_NEAR(pixel->x(), 400 * x + 320, 1e-9);
+  EXPECT_NEAR(pixel->y(), 410 * y + 240, 1e-9);
+}
+
+TEST(CameraTest, HasNoPixelForWhatIsBehind) {
+  const Camera camera = Camera::Create(CameraModel::kSimplePinhole, 10, 10, {5, 5, 5}).value();
+  EXPECT_FALSE(camera.Project(Eigen::Vector3d(0, 0, 0)).has_value());
+  EXPECT_FALSE(camera.Project(Eigen::Vector3d(1, 1, -1)).has_value());
+}
+
+// With strong barrel distortion no ray reaches the far corner: saying so is right, a made-up ray
+// would be wrong.
+TEST(CameraTest, RefusesPixelsThatNoRayReaches) {
+  const Camera camera =
+      Camera::Create(CameraModel::kSimpleRadial, 2000, 2000, {300, 1000, 1000, -0.4}).value();
+  EXPECT_FALSE(camera.Normalize({0, 0}).has_value());
+  EXPECT_TRUE(camera.Normalize({950, 1020}).has_value());
+}
+
+}  // namespace
+}  // namespace maploc

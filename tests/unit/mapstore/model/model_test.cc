@@ -1,0 +1,105 @@
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "mapstore/model/descriptor.h"
+#include "mapstore/model/localization.h"
+#include "mapstore/model/map.h"
+#include "mapstore/model/strategy.h"
+
+namespace maploc {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(DescriptorKindTest, KnownNamesSayLengthAndMetric) {
+  EXPECT_EQ(DescriptorKindFromName("orb")->bytes, 32);
+  EXPECT_EQ(DescriptorKindFromName("sift_root_u8")->metric, DescriptorMetric::kL2U8);
+  EXPECT_EQ(DescriptorKindFromName("binary48")->bytes, 48);
+  EXPECT_EQ(DescriptorKindFromName("binary48")->metric, DescriptorMetric::kHamming);
+}
+
+TEST(DescriptorKindTest, RefusesOthersAndSaysWhichAreKnown) {
+  for (const char* name : {"", "surf", "binary", "binary0", "binary513", "binary-1", "binary48x",
+                           "binary99999999999999999999"}) {
+    const auto kind = DescriptorKindFromName(name);
+    ASSERT_FALSE(kind.ok()) << name;
+    EXPECT_THAT(kind.status().message(), HasSubstr("sift_root_u8")) << name;
+  }
+}
+
+TEST(NamesTest, EveryNameReadsBack) {
+  for (int i = 1; i <= 6; ++i) {
+    const Outcome outcome = static_cast<Outcome>(i);
+    EXPECT_EQ(OutcomeFromName(OutcomeName(outcome)), outcome);
+  }
+  for (int i = 1; i <= 4; ++i) {
+    const Strategy strategy = static_cast<Strategy>(i);
+    EXPECT_EQ(StrategyFromName(StrategyName(strategy)), strategy);
+  }
+  EXPECT_EQ(RefinementFromName("auto"), Refinement::kAuto);
+  EXPECT_FALSE(StrategyFromName("3p").has_value());
+  EXPECT_FALSE(OutcomeFromName("localized").has_value());
+}
+
+class SegmentTest : public ::testing::Test {
+ protected:
+  SegmentTest() {
+    map_.point_descriptor = DescriptorKindFromName("binary2").value();
+    map_.line_descriptor = DescriptorKindFromName("binary1").value();
+    segment_.points.ids = {3, 8};
+    segment_.points.positions_in_map = {{0, 0, 0}, {1, 2, 3}};
+    segment_.points.descriptors = {map_.point_descriptor, {1, 2, 3, 4, 5, 6}};
+    segment_.points.descriptor_landmark = {0, 0, 1};
+    segment_.lines.ids = {5, 6};
+    segment_.lines.segments_in_map = {{{0, 0, 0}, {0, 0, 2}}, {{0, 0, 0}, {1, 0, 0}}};
+    segment_.lines.descriptors = {map_.line_descriptor, {1, 2}};
+    segment_.lines.descriptor_landmark = {0, 1};
+  }
+
+  void ExpectRefused(const std::string& field) {
+    const Status status = ValidateSegment(map_, segment_);
+    EXPECT_EQ(status.code(), StatusCode::kInvalidArgument);
+    EXPECT_THAT(status.message(), HasSubstr(field));
+  }
+
+  MapInfo map_;
+  Segment segment_;
+};
+
+TEST_F(SegmentTest, AValidOnePasses) {
+  EXPECT_TRUE(ValidateSegment(map_, segment_).ok());
+  EXPECT_EQ(CountUsableLines(segment_.lines), 1);
+  EXPECT_TRUE(ValidateSegment(map_, Segment{}).ok()) << "an empty segment of a map with kinds";
+}
+
+TEST_F(SegmentTest, NamesTheFieldThatIsWrong) {
+  const Segment good = segment_;
+  segment_.points.ids = {8, 8};
+  ExpectRefused("points.ids[1]");
+  segment_ = good;
+  segment_.points.positions_in_map[1].y() = std::numeric_limits<double>::infinity();
+  ExpectRefused("points.positions_in_map[1]");
+  segment_ = good;
+  segment_.points.positions_in_map.pop_back();
+  ExpectRefused("points.positions_in_map");
+  segment_ = good;
+  segment_.points.descriptors.bytes.pop_back();
+  ExpectRefused("points.descriptors");
+  segment_ = good;
+  segment_.points.descriptor_landmark = {0, 0, 2};
+  ExpectRefused("points.descriptor_landmark[2]");
+  segment_ = good;
+  segment_.points.descriptor_landmark = {1, 0, 1};
+  ExpectRefused("points.descriptor_landmark[1]");
+  segment_ = good;
+  segment_.points.descriptors.kind = map_.line_descriptor;
+  ExpectRefused("differs from the map's");
+  segment_ = good;
+  segment_.lines.segments_in_map[0].end = segment_.lines.segments_in_map[0].start;
+  ExpectRefused("lines.segments_in_map[0]");
+}
+
+}  // namespace
+}  // namespace maploc
