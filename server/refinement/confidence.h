@@ -1,0 +1,47 @@
+// May this pose be trusted? Pure functions over the evidence.
+//
+// A wrong pose given as right is the worst that can happen, so the question is asked the other way
+// round: how probable is it that matches WITHOUT any truth in them agree with some pose this well?
+//
+// A-contrario test (Desolneux, Moisan, Morel 2000; Moisan and Stival 2004): under chance each match
+// agrees with a given pose with probability p, independently; n matches, k agree, s of them are used
+// up by the pose's own freedom. Number of false alarms
+//     NFA = tests * P(Binomial(n - s, p) >= k - s),
+// tests = 2 poses an iteration, times a constant for local optimization. Points and lines have
+// their own p; the tail is that of the sum. p is the larger of
+//   * the inlier disc's share of the area that the matched features cover, and
+//   * the share of WRONG pairs (feature i, landmark j != i) that agree under this very pose: it sees
+//     repeated patterns, clusters and cameras so far away that the whole map is a dot.
+// Features closer together than the threshold count once.
+#pragma once
+
+#include "mapstore/model/localization.h"
+#include "mapstore/model/matches.h"
+#include "server/refinement/refine.h"
+
+namespace maploc {
+
+// What the test needs to know besides the matches.
+struct ConfidenceOptions {
+  double max_reprojection_error_px = 4.0;  // that decided the inliers
+  int image_width_px = 640;
+  int image_height_px = 480;
+  int iterations = 1;  // evaluated hypotheses, Consensus::iterations
+};
+
+// Probability in [0, 1] that the pose is not the work of chance and is determined by its inliers.
+// 0.99 is the bar for LOCALIZED. Deterministic; thread-safe.
+double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
+                      const ConfidenceOptions& options);
+
+// log10 of the number of false alarms: the test inside PoseConfidence. Negative is good.
+double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pose,
+                              const ConfidenceOptions& options);
+
+// Is the disagreement between the sent gravity and the pose's explained by their uncertainties?
+// Chi-square with 2 degrees of freedom at p = 1e-4: disagreement^2 <= 18.42 (sigma^2 + the larger
+// eigenvalue of the covariance of roll and pitch). A sigma below 0.1 degrees counts as 0.1.
+bool GravityConsistent(double gravity_disagreement_rad, double gravity_sigma_rad,
+                       const PoseCovariance& covariance);
+
+}  // namespace maploc
