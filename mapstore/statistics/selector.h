@@ -15,7 +15,8 @@ struct DrawProbabilities {
   double mixed = 0.0;  // lambda (lambda p + gamma l - 1) / (p + l - 1)
 };
 
-// p, l: point and usable-line matches of a query; lambda, gamma: their inlier rates.
+// p, l: point and usable-line matches of a query; lambda, gamma: their inlier rates. A draw needs
+// its features: 1P1L p >= 1 and l >= 1; 2P p >= 2; mixed p >= 1 and p + l >= 2.
 DrawProbabilities ComputeDrawProbabilities(double p, double l, double lambda, double gamma);
 
 struct SelectorOptions {
@@ -29,7 +30,25 @@ struct SelectorOptions {
   double cost_1p1l = 1.0;
   double cost_2p = 1.0;
   double cost_mixed = 1.0;
+  bool operator==(const SelectorOptions&) const = default;
 };
+
+// What the selector compares. Times are cost / probability, in the unit of the costs; infinite for
+// what cannot succeed.
+struct StrategyPrediction {
+  double point_inlier_ratio = 0.0;        // lambda: posterior mean
+  double usable_line_inlier_ratio = 0.0;  // gamma: posterior mean
+  double point_matches = 0.0;             // p
+  double usable_line_matches = 0.0;       // l
+  DrawProbabilities draw;
+
+  // REQUIRES: strategy is 1P1L, 2P or mixed.
+  double ProbabilityOf(Strategy strategy) const;
+  double ExpectedTimeOf(Strategy strategy, const SelectorOptions& options) const;
+};
+
+StrategyPrediction PredictStrategies(const SegmentStatistics& statistics,
+                                     const SelectorOptions& options = {});
 
 // The decision after all rows, replayed from the first (hysteresis folds over the same order).
 // Pure: the same rows give the same decision. REQUIRES: rows in the order (session_start_unix_ns,

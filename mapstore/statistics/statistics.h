@@ -11,12 +11,47 @@ namespace maploc {
 
 struct StatisticsOptions {
   double half_life_sessions = 20.0;  // a session this much older counts half; positive
+  // A session whose own inlier ratio (of points, or of lines) lies outside the 99% interval that
+  // the older sessions predict for it tells of a change: the older ones keep this share of their
+  // weight. In [0, 1]; 1 turns it off.
+  double change_discount = 0.1;
+  // How many independent matches a localized query is worth, at most, in that interval. The matches
+  // of one view stand and fall together; taken as independent, they would make every session a
+  // change. Positive.
+  double independent_matches_per_query = 10.0;
+  bool operator==(const StatisticsOptions&) const = default;
 };
 
 // One session's observations, by segment, ascending. Order of the observations does not matter.
-// OUT_OF_MAP ones (segment -1) make no row.
+// OUT_OF_MAP ones (segment -1) make no row. Medians of an even count are the mean of the middle
+// two. REQUIRES: no sequence twice.
 std::vector<SegmentSessionRow> FoldObservations(const Session& session,
                                                 std::span<const Observation> observations);
+
+// One session after the other, oldest first; the sum so far loses weight before each. Statistics
+// of the first n rows are those of n calls of Add, so that a replay costs no more than one pass.
+class StatisticsFold {
+ public:
+  explicit StatisticsFold(const StatisticsOptions& options);
+
+  // REQUIRES: rows come in the order (session_start_unix_ns, session).
+  void Add(const SegmentSessionRow& row);
+  SegmentStatistics Value() const;
+
+ private:
+  // Whether `row` disagrees with the sum so far.
+  bool IsChange(const SegmentSessionRow& row) const;
+  void Discount(double factor);
+
+  StatisticsOptions options_;
+  double decay_;  // of one rank
+  SegmentStatistics sum_;
+  double localized_ = 0.0;  // weighted like the counts
+  // Sums of (weight x localized queries x a session's median); the means are these by localized_.
+  double point_medians_ = 0.0;
+  double usable_line_medians_ = 0.0;
+  double vertical_line_medians_ = 0.0;
+};
 
 // REQUIRES: rows in the order (session_start_unix_ns, session). The age of a row is its rank from
 // the end.
