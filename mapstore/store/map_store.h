@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "mapstore/base/status.h"
 #include "mapstore/model/map.h"
 #include "mapstore/model/session.h"
+#include "mapstore/statistics/selector.h"
 
 namespace maploc {
 
@@ -35,10 +37,26 @@ struct SegmentSummary {
   std::vector<Eigen::Vector3d> path_in_map;
   SegmentStatistics statistics;
   StrategyDecision decision;
+  std::optional<Strategy> pinned;
+  SelectorOptions selector;  // that statistics and decision were derived with
+};
+
+// One entry of a segment's history of decisions.
+struct DecisionRecord {
+  std::int64_t time_unix_ns = 0;
+  std::string cause;  // the session's id, "pin" or "unpin"
+  StrategyDecision decision;
+  SegmentStatistics statistics;  // at that time
+  bool operator==(const DecisionRecord&) const = default;
+};
+
+// Of a store, however it keeps its data.
+struct StoreOptions {
+  SelectorOptions selector;  // for statistics and strategies derived from now on
 };
 
 // An import in progress, invisible to readers until Commit. Destroyed without it, nothing remains.
-// Not thread-safe.
+// Must not outlive its store. Not thread-safe.
 class MapWriter {
  public:
   virtual ~MapWriter() = default;
@@ -48,6 +66,7 @@ class MapWriter {
   // is ignored. One short transaction a segment.
   virtual Status AddSegment(const Segment& segment) = 0;
   // Publishes the version, with the counts of distinct landmarks. At most once.
+  // FAILED_PRECONDITION (EMPTY_MAP) without a segment.
   virtual Status Commit() = 0;
 };
 
@@ -90,6 +109,9 @@ class MapStore {
   // A segment's unrevoked rows in folding order (start, session).
   virtual Result<std::vector<SegmentSessionRow>> ListRows(const MapKey& key,
                                                           SegmentId id) const = 0;
+  // Every decision about a segment, oldest first.
+  virtual Result<std::vector<DecisionRecord>> ListDecisions(const MapKey& key,
+                                                            SegmentId id) const = 0;
   // Fixes a segment's strategy, or gives it back to the selector (nullopt).
   virtual Status PinStrategy(const MapKey& key, SegmentId id, std::optional<Strategy> pinned) = 0;
 

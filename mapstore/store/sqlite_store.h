@@ -1,0 +1,31 @@
+// The store on disk: one SQLite file (FORMAT.md), shared by the running server and by maploc-map.
+// Write-ahead logging, so readers never wait for a writer; a writer waits for another one.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "mapstore/base/status.h"
+#include "mapstore/store/map_store.h"
+
+namespace maploc {
+
+struct SqliteStoreOptions : StoreOptions {
+  bool create = true;                    // a missing or empty file becomes a new store
+  bool sweep_abandoned_imports = false;  // at once; for a server's start
+  int busy_timeout_ms = 10000;  // how long a writer waits for another process's transaction
+};
+
+// Errors name the file, and leave it unchanged:
+// NOT_FOUND (STORE_NOT_FOUND) there is none and `create` is false;
+// INVALID_ARGUMENT (INVALID_FILE) not SQLite, or another application's SQLite;
+// FAILED_PRECONDITION (STORE_TOO_NEW) written by a newer maploc;
+// DATA_LOSS truncated or damaged; UNAVAILABLE cannot be opened or locked.
+Result<std::unique_ptr<MapStore>> OpenSqliteStore(const std::string& path,
+                                                  const SqliteStoreOptions& options = {});
+
+// Copies the store at `from` while it may be in use, as one consistent state. `to` must not exist;
+// it appears only when complete.
+Status BackupSqliteStore(const std::string& from, const std::string& to);
+
+}  // namespace maploc
