@@ -1,0 +1,189 @@
+#include "client/api/client.h"
+
+#include <random>
+#include <thread>
+
+#include <grpcpp/grpcpp.h>
+
+#include "client/api/remote_from_proto.h"
+#include "maploc/v1/localization_service.grpc.pb.h"
+#include "maploc/v1/map_service.grpc.pb.h"
+#include "proto/convert/convert.h"
+
+namespace maploc {
+namespace {
+
+// The service's UPPER_SNAKE reason, in the trailing metadata; faults that gRPC itself reports have
+// none.
+constexpr char kReasonKey[] = "maploc-reason";
+
+// A server that starts again is found within seconds, not after gRPC's default of up to two
+// minutes.
+constexpr int kMinReconnectMs = 100;
+constexpr int kMaxReconnectMs = 2000;
+
+std::shared_ptr<grpc::Channel> MakeChannel(const std::string& server) {
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kMinReconnectMs);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kMinReconnectMs);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMaxReconnectMs);
+  return grpc::CreateCustomChannel(server, grpc::InsecureChannelCredentials(), arguments);
+}
+
+StatusCode CodeFromGrpc(grpc::StatusCode code) {
+  // Codes that maploc does not use (UNKNOWN, OUT_OF_RANGE) come from gRPC alone, of a broken
+  // server.
+  if (code == grpc::StatusCode::UNKNOWN || code == grpc::StatusCode::OUT_OF_RANGE) {
+    return StatusCode::kInternal;
+  }
+  return static_cast<StatusCode>(code);
+}
+
+Status StatusFromGrpc(const grpc::Status& status, const grpc::ClientContext& context,
+                      const std::string& server) {
+  if (status.ok()) return Status::Ok();
+  const StatusCode code = CodeFromGrpc(status.error_code());
+  const auto& trailer = context.GetServerTrailingMetadata();
+  const auto reason = trailer.find(kReasonKey);
+  if (reason != trailer.end()) {
+    return Status(code, std::string(reason->second.data(), reason->second.size()),
+                  status.error_message());
+  }
+  return Status(code, std::string(StatusCodeName(code)),
+                "server " + server + ": " + status.error_message());
+}
+
+// Unique over robots and restarts, which no seed handed in could promise.
+std::string NewRequestId() {
+  std::random_device entropy;
+  std::string id;
+  for (int i = 0; i < 4; ++i) {
+    char word[9];
+    std::snprintf(word, sizeof(word), "%08x", static_cast<unsigned>(entropy()));
+    id += word;
+  }
+  return id;
+}
+
+enum class Repeat { kNever, kSafe };
+
+}  // namespace
+
+struct Client::Impl {
+  Impl(const std::string& server_name, const ClientOptions& client_options)
+      : server(server_name),
+        options(client_options),
+        channel(MakeChannel(server_name)),
+        localization(v1::LocalizationService::NewStub(channel)),
+        maps(v1::MapService::NewStub(channel)) {}
+
+  // Calls `method` with a deadline an attempt, and again after UNAVAILABLE where that is safe.
+  template <typename Stub, typename Request, typename Response>
+  Status Call(Stub& stub,
+              grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+              const Request& request, Response* response, Repeat repeat) const {
+    auto backoff = options.first_backoff;
+    for (int attempt = 1;; ++attempt) {
+      grpc::ClientContext context;
+      context.set_deadline(std::chrono::system_clock::now() + options.call_timeout);
+      const grpc::Status status = (stub.*method)(&context, request, response);
+      const bool again = status.error_code() == grpc::StatusCode::UNAVAILABLE &&
+                         repeat == Repeat::kSafe && attempt < options.max_attempts;
+      if (!again) return StatusFromGrpc(status, context, server);
+      std::this_thread::sleep_for(backoff);
+      backoff *= 2;
+    }
+  }
+
+  const std::string server;
+  const ClientOptions options;
+  const std::shared_ptr<grpc::Channel> channel;
+  const std::unique_ptr<v1::LocalizationService::Stub> localization;
+  const std::unique_ptr<v1::MapService::Stub> maps;
+};
+
+Client::Client(const std::string& server, const ClientOptions& options)
+    : impl_(std::make_unique<Impl>(server, options)) {}
+Client::~Client() = default;
+Client::Client(Client&&) noexcept = default;
+Client& Client::operator=(Client&&) noexcept = default;
+
+Result<std::vector<RemoteMap>> Client::ListMaps() const {
+  v1::ListMapsResponse response;
+  MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->maps, &v1::MapService::Stub::ListMaps,
+                                     v1::ListMapsRequest(), &response, Repeat::kSafe));
+  std::vector<RemoteMap> maps;
+  for (const v1::Map& map : response.maps()) {
+    MAPLOC_ASSIGN_OR_RETURN(maps.emplace_back(), RemoteMapFromProto(map));
+  }
+  return maps;
+}
+
+Result<RemoteMap> Client::GetMap(const std::string& map) const {
+  v1::GetMapRequest request;
+  request.set_map(map);
+  v1::GetMapResponse response;
+  MAPLOC_RETURN_IF_ERROR(
+      impl_->Call(*impl_->maps, &v1::MapService::Stub::GetMap, request, &response, Repeat::kSafe));
+  return RemoteMapFromProto(response.map());
+}
+
+Result<std::vector<RemoteSegment>> Client::ListSegments(const std::string& map) const {
+  v1::ListSegmentsRequest request;
+  request.set_map(map);
+  v1::ListSegmentsResponse response;
+  MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->maps, &v1::MapService::Stub::ListSegments, request,
+                                     &response, Repeat::kSafe));
+  std::vector<RemoteSegment> segments;
+  for (const v1::Segment& segment : response.segments()) {
+    MAPLOC_ASSIGN_OR_RETURN(segments.emplace_back(), RemoteSegmentFromProto(segment));
+  }
+  return segments;
+}
+
+Result<RemoteSegment> Client::GetSegment(const std::string& map, SegmentId id) const {
+  v1::GetSegmentRequest request;
+  request.set_map(map);
+  request.set_segment_id(id);
+  v1::GetSegmentResponse response;
+  MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->maps, &v1::MapService::Stub::GetSegment, request,
+                                     &response, Repeat::kSafe));
+  return RemoteSegmentFromProto(response.segment());
+}
+
+Result<SessionId> Client::StartSession(const std::string& map, const std::string& robot,
+                                       const std::map<std::string, std::string>& labels) const {
+  v1::StartSessionRequest request;
+  request.set_map(map);
+  request.set_robot(robot);
+  request.mutable_labels()->insert(labels.begin(), labels.end());
+  request.set_request_id(NewRequestId());
+  v1::StartSessionResponse response;
+  MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->localization,
+                                     &v1::LocalizationService::Stub::StartSession, request,
+                                     &response, Repeat::kSafe));
+  return response.session_id();
+}
+
+Result<Localization> Client::Localize(const Query& query, bool include_matches) const {
+  v1::LocalizeRequest request;
+  QueryToProto(query, include_matches, &request);
+  v1::LocalizeResponse response;
+  // Within a session a query is counted, and a lost answer does not tell whether it was.
+  const Repeat repeat = query.session.empty() ? Repeat::kSafe : Repeat::kNever;
+  MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->localization, &v1::LocalizationService::Stub::Localize,
+                                     request, &response, repeat));
+  return LocalizationFromProto(response, query.map);
+}
+
+Result<SessionSummary> Client::EndSession(const SessionId& session) const {
+  v1::EndSessionRequest request;
+  request.set_session_id(session);
+  v1::EndSessionResponse response;
+  MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->localization,
+                                     &v1::LocalizationService::Stub::EndSession, request, &response,
+                                     Repeat::kSafe));
+  return SessionSummaryFromProto(response, session);
+}
+
+}  // namespace maploc
