@@ -1,8 +1,11 @@
 // Wire <-> domain. The only parser at the door: what comes out of a FromProto here is valid, and
 // nobody checks again. Errors are INVALID_ARGUMENT and start with the field's path as it stands in
-// the .proto ("views[0].points.coordinates_pixels"). Every count is bounded before anything is
-// allocated. Pure; thread-safe.
+// the .proto ("views[0].points.coordinates_pixels[12]"); more features than kMaxFeatures are
+// RESOURCE_EXHAUSTED. Every count is bounded before anything is allocated. Pure; thread-safe.
 #pragma once
+
+#include <map>
+#include <string>
 
 #include "mapstore/base/status.h"
 #include "mapstore/model/localization.h"
@@ -12,16 +15,33 @@
 
 namespace maploc::v1 {
 class DescriptorKind;
+class EndSessionRequest;
 class EndSessionResponse;
 class LocalizeRequest;
 class LocalizeResponse;
+class Map;
 class Rigid3;
+class Segment;
 class Similarity3;
+class StartSessionRequest;
 }  // namespace maploc::v1
 
 namespace maploc {
 
 inline constexpr int kMaxFeatures = 20000;  // of one kind in a view
+inline constexpr int kMaxLabels = 32;
+
+// What a robot asks for when it starts a session.
+struct SessionRequest {
+  std::string map;
+  std::string robot;
+  std::map<std::string, std::string> labels;
+  std::string request_id;  // may be empty
+};
+
+// Names: at most kMaxIdBytes, without control characters.
+Result<SessionRequest> SessionRequestFromProto(const v1::StartSessionRequest& request);
+Result<SessionId> SessionIdFromProto(const v1::EndSessionRequest& request);
 
 Result<Query> QueryFromProto(const v1::LocalizeRequest& request);
 // REQUIRES: a valid query.
@@ -46,5 +66,12 @@ void Rigid3ToProto(const Rigid3& rigid, v1::Rigid3* proto);
 Result<Similarity3> Similarity3FromProto(const v1::Similarity3& similarity,
                                          const std::string& field);
 void Similarity3ToProto(const Similarity3& similarity, v1::Similarity3* proto);
+
+// All but the counts, which a MapInfo does not know.
+void MapInfoToProto(const MapInfo& info, v1::Map* proto);
+Result<MapInfo> MapInfoFromProto(const v1::Map& map);
+// Strategy, ratios and counts of sessions and queries; the rest of `proto` stays.
+void SegmentKnowledgeToProto(const SegmentStatistics& statistics, const StrategyDecision& decision,
+                             v1::Segment* proto);
 
 }  // namespace maploc

@@ -1,0 +1,96 @@
+#include <cmath>
+
+#include "maploc/v1/localization_service.pb.h"
+#include "proto/convert/checks.h"
+#include "proto/convert/convert.h"
+
+namespace maploc {
+namespace {
+
+FeatureCounts CountsFromProto(const v1::FeatureCounts& counts) {
+  return {counts.match_count(), counts.inlier_count()};
+}
+
+StageTimes TimesFromProto(const v1::StageTimes& times) {
+  return {times.convert_ms(), times.retrieval_ms(),  times.matching_ms(),
+          times.ransac_ms(),  times.refinement_ms(), times.total_ms()};
+}
+
+Status MatchesFromProto(const v1::FeatureMatches& proto, const std::string& field,
+                        std::vector<FeatureMatch>* matches, std::vector<std::uint8_t>* inliers) {
+  const auto count = static_cast<std::size_t>(proto.feature_indices_size());
+  if (proto.inliers().size() != count) {
+    return InvalidArgument(field + ".inliers", "their count differs from the indices'",
+                           "COUNT_MISMATCH");
+  }
+  for (const int feature : proto.feature_indices()) {
+    matches->push_back({.feature = feature, .landmark = 0, .ratio = 1.0f});
+  }
+  inliers->assign(proto.inliers().begin(), proto.inliers().end());
+  return Status::Ok();
+}
+
+Result<Evidence> EvidenceFromProto(const v1::LocalizeResponse& response) {
+  Evidence evidence;
+  evidence.points = CountsFromProto(response.points());
+  evidence.usable_lines = CountsFromProto(response.usable_lines());
+  evidence.vertical_lines = CountsFromProto(response.vertical_lines());
+  MAPLOC_ASSIGN_OR_RETURN(evidence.strategy,
+                          convert::StrategyFromProto(response.strategy(), "strategy"));
+  evidence.fell_back = response.fell_back();
+  evidence.iterations = response.iteration_count();
+  evidence.gravity_disagreement_rad = response.gravity_disagreement_radians();
+  evidence.confidence = response.confidence();
+  return evidence;
+}
+
+Result<PoseCovariance> CovarianceFromProto(const v1::LocalizeResponse& response) {
+  if (response.covariance_size() != 36) {
+    return InvalidArgument("covariance", "must hold 36 numbers", "COUNT_MISMATCH");
+  }
+  PoseCovariance covariance;
+  for (int i = 0; i < 36; ++i) covariance(i / 6, i % 6) = response.covariance(i);
+  if (!covariance.allFinite()) return InvalidArgument("covariance", "must be finite", "NOT_FINITE");
+  return covariance;
+}
+
+Status PoseFromProto(const v1::LocalizeResponse& response, Localization* result) {
+  const bool localized = result->outcome == Outcome::kLocalized;
+  if (localized != response.has_map_from_body()) {
+    return InvalidArgument("map_from_body", "must come with LOCALIZED and with nothing else",
+                           "POSE_WITHOUT_OUTCOME");
+  }
+  if (!localized) return Status::Ok();
+  MAPLOC_ASSIGN_OR_RETURN(result->map_from_body,
+                          Rigid3FromProto(response.map_from_body(), "map_from_body"));
+  MAPLOC_ASSIGN_OR_RETURN(result->covariance, CovarianceFromProto(response));
+  return Status::Ok();
+}
+
+}  // namespace
+
+Result<Localization> LocalizationFromProto(const v1::LocalizeResponse& response,
+                                           const std::string& map) {
+  if (response.outcome() < v1::OUTCOME_LOCALIZED || response.outcome() > v1::OUTCOME_OUT_OF_MAP) {
+    return convert::UnknownEnum("outcome", response.outcome());
+  }
+  if (response.strategy_source() < v1::STRATEGY_SOURCE_DEFAULT ||
+      response.strategy_source() > v1::STRATEGY_SOURCE_REQUESTED) {
+    return convert::UnknownEnum("strategy_source", response.strategy_source());
+  }
+  Localization result;
+  result.outcome = static_cast<Outcome>(response.outcome());
+  result.map = {map, response.map_version()};
+  result.segment = response.segment_id();
+  result.strategy_source = static_cast<StrategySource>(response.strategy_source());
+  result.times = TimesFromProto(response.times());
+  MAPLOC_ASSIGN_OR_RETURN(result.evidence, EvidenceFromProto(response));
+  MAPLOC_RETURN_IF_ERROR(PoseFromProto(response, &result));
+  MAPLOC_RETURN_IF_ERROR(MatchesFromProto(response.point_matches(), "point_matches",
+                                          &result.matches.points, &result.point_match_inlier));
+  MAPLOC_RETURN_IF_ERROR(MatchesFromProto(response.line_matches(), "line_matches",
+                                          &result.matches.lines, &result.line_match_inlier));
+  return result;
+}
+
+}  // namespace maploc
