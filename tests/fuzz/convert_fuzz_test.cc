@@ -1,0 +1,139 @@
+// Mutated and random bytes through the parsers at the door: whatever comes, they answer, and what
+// they let through keeps the invariants that nobody checks again. A plain loop, so that it runs
+// wherever the tests run; MAPLOC_FUZZ_SECONDS makes it longer, MAPLOC_TEST_SEED different.
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include <google/protobuf/stubs/logging.h>
+#include <gtest/gtest.h>
+
+#include "maploc/v1/localization_service.pb.h"
+#include "proto/convert/convert.h"
+#include "tests/support/seed.h"
+#include "tests/unit/proto/convert/valid_request.h"
+
+namespace maploc {
+namespace {
+
+std::chrono::duration<double> FuzzTime() {
+  const char* seconds = std::getenv("MAPLOC_FUZZ_SECONDS");
+  return std::chrono::duration<double>(seconds != nullptr ? std::atof(seconds) : 1.5);
+}
+
+std::string RandomBytes(Random& random) {
+  std::string bytes(random.Below(300), '\0');
+  for (char& byte : bytes) byte = static_cast<char>(random.Next());
+  return bytes;
+}
+
+// Flips bits, overwrites, deletes, repeats or cuts: each keeps most of the message's structure.
+void Mutate(Random& random, std::string* bytes) {
+  if (bytes->empty()) return;
+  const std::uint32_t at = random.Below(static_cast<std::uint32_t>(bytes->size()));
+  switch (random.Below(5)) {
+    case 0:
+      (*bytes)[at] = static_cast<char>((*bytes)[at] ^ (1 << random.Below(8)));
+      break;
+    case 1:
+      for (std::size_t i = at; i < std::min<std::size_t>(at + 8, bytes->size()); ++i) {
+        (*bytes)[i] = random.Below(2) == 0 ? '\xff' : static_cast<char>(random.Next());
+      }
+      break;
+    case 2:
+      bytes->erase(at, 1 + random.Below(4));
+      break;
+    case 3:
+      bytes->insert(at, bytes->substr(at, 1 + random.Below(16)));
+      break;
+    default:
+      bytes->resize(at);
+  }
+}
+
+std::string NextInput(Random& random, const std::string& valid) {
+  if (random.Below(8) == 0) return RandomBytes(random);
+  std::string bytes = valid;
+  for (std::uint32_t i = 0; i <= random.Below(4); ++i) Mutate(random, &bytes);
+  return bytes;
+}
+
+void ExpectSound(const Query& query) {
+  ASSERT_EQ(query.views.size(), 1u);
+  const View& view = query.views[0];
+  ASSERT_EQ(view.points.descriptors.size(), static_cast<int>(view.points.keypoints_px.size()));
+  ASSERT_EQ(view.lines.descriptors.size(), view.lines.size());
+  ASSERT_EQ(view.lines.starts_px.size(), view.lines.ends_px.size());
+  for (const Eigen::Vector2f& keypoint_px : view.points.keypoints_px) {
+    ASSERT_TRUE(keypoint_px.allFinite());
+  }
+  for (int i = 0; i < view.lines.size(); ++i) {
+    ASSERT_NE(view.lines.starts_px[i], view.lines.ends_px[i]);
+  }
+  ASSERT_TRUE(query.gravity.has_value());
+  ASSERT_NEAR(query.gravity->direction_in_body.norm(), 1.0, 1e-9);
+  ASSERT_NEAR(view.camera_from_body.rotation.norm(), 1.0, 1e-9);
+  ASSERT_GE(view.camera.MeanFocalLengthPx(), 0.1);
+}
+
+// Protobuf reports invalid UTF-8 on standard error; here that is the daily bread.
+class ConvertFuzz : public ::testing::Test {
+  google::protobuf::LogSilencer silence_;
+};
+
+TEST_F(ConvertFuzz, QueryFromProtoSurvivesAnything) {
+  Random random = testing::TestRandom();
+  const std::string valid = testing::ValidRequest().SerializeAsString();
+  const auto end = std::chrono::steady_clock::now() + FuzzTime();
+  int accepted = 0;
+  int refused = 0;
+  while (std::chrono::steady_clock::now() < end) {
+    v1::LocalizeRequest request;
+    if (!request.ParseFromString(NextInput(random, valid))) continue;
+    const Result<Query> query = QueryFromProto(request);
+    if (query.ok()) {
+      ++accepted;
+      ExpectSound(*query);
+    } else {
+      ++refused;
+      ASSERT_NE(query.status().message().find(": "), std::string::npos);
+    }
+    if (HasFatalFailure()) return;
+  }
+  EXPECT_GT(accepted, 100) << "the mutations never reach past the checks";
+  EXPECT_GT(refused, 100) << "the mutations never break anything";
+}
+
+TEST_F(ConvertFuzz, AnswersAndSessionsSurviveAnything) {
+  Random random = testing::TestRandom();
+  v1::LocalizeResponse valid;
+  Localization localized;
+  localized.outcome = Outcome::kLocalized;
+  localized.map_from_body = Rigid3{};
+  localized.covariance = PoseCovariance::Identity();
+  localized.matches.points = {{.feature = 1}, {.feature = 2}};
+  LocalizationToProto(Query{}, localized, true, &valid);
+  const std::string bytes = valid.SerializeAsString();
+  const auto end = std::chrono::steady_clock::now() + FuzzTime();
+  int accepted = 0;
+  while (std::chrono::steady_clock::now() < end) {
+    const std::string input = NextInput(random, bytes);
+    v1::LocalizeResponse response;
+    if (response.ParseFromString(input)) {
+      const Result<Localization> answer = LocalizationFromProto(response, "yard");
+      accepted += answer.ok() ? 1 : 0;
+      if (answer.ok()) {
+        ASSERT_EQ(answer->matches.points.size(), answer->point_match_inlier.size());
+      }
+    }
+    v1::StartSessionRequest start;
+    if (start.ParseFromString(input)) (void)SessionRequestFromProto(start);
+    v1::EndSessionResponse summary;
+    if (summary.ParseFromString(input)) (void)SessionSummaryFromProto(summary, "id");
+  }
+  EXPECT_GT(accepted, 100);
+}
+
+}  // namespace
+}  // namespace maploc
