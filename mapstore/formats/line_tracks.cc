@@ -1,11 +1,10 @@
 #include "mapstore/formats/line_tracks.h"
 
-#include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <set>
 #include <string_view>
+
+#include "mapstore/formats/text_fields.h"
 
 namespace maploc {
 namespace {
@@ -13,55 +12,21 @@ namespace {
 constexpr std::string_view kMagic = "maploc-lines";
 constexpr std::string_view kHexDigits = "0123456789abcdef";
 
-// The fields of one line, read from the left. A missing or malformed field leaves `ok` false with
-// the reason.
-class Fields {
- public:
-  explicit Fields(std::string_view line) : rest_(line.substr(0, line.find('#'))) {}
+Status Wrong(std::string_view what, std::string_view why) { return InvalidArgument(what, why); }
 
-  std::string_view Word() {
-    const std::size_t start = rest_.find_first_not_of(" \t\r");
-    if (start == std::string_view::npos) return rest_ = {};
-    const std::size_t end = std::min(rest_.find_first_of(" \t\r", start), rest_.size());
-    const std::string_view word = rest_.substr(start, end - start);
-    rest_.remove_prefix(end);
-    return word;
-  }
-  bool AtEnd() const { return rest_.find_first_not_of(" \t\r") == std::string_view::npos; }
-
-  template <typename T>
-  Result<T> Number(std::string_view what) {
-    const std::string_view word = Word();
-    T value{};
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (word.empty() || error != std::errc() || end != word.data() + word.size()) {
-      return Wrong(what,
-                   word.empty() ? "is missing" : "'" + std::string(word) + "' is not a number");
-    }
-    return value;
-  }
-  static Status Wrong(std::string_view what, std::string_view why) {
-    return InvalidArgument(what, why);
-  }
-
- private:
-  std::string_view rest_;
-};
-
-Result<Eigen::Vector3d> ParsePoint(Fields& fields, std::string_view what) {
+Result<Eigen::Vector3d> ParsePoint(TextFields& fields, std::string_view what) {
   Eigen::Vector3d point;
   for (int axis = 0; axis < 3; ++axis) {
     MAPLOC_ASSIGN_OR_RETURN(point[axis], fields.Number<double>(what));
   }
-  if (!point.allFinite()) return Fields::Wrong(what, "is not finite");
   return point;
 }
 
-Result<int> ParseCount(Fields& fields, std::string_view what, int minimum) {
+Result<int> ParseCount(TextFields& fields, std::string_view what, int minimum) {
   MAPLOC_ASSIGN_OR_RETURN(const int count, fields.Number<int>(what));
   if (count < minimum || count > kMaxTrackLength) {
-    return Fields::Wrong(what, std::to_string(count) + " is outside of " + std::to_string(minimum) +
-                                   " to " + std::to_string(kMaxTrackLength));
+    return Wrong(what, std::to_string(count) + " is outside of " + std::to_string(minimum) +
+                           " to " + std::to_string(kMaxTrackLength));
   }
   return count;
 }
@@ -75,49 +40,48 @@ int HexValue(char digit) {
 
 Status ParseDescriptor(std::string_view hex, Descriptors& descriptors) {
   if (hex.size() != 2 * static_cast<std::size_t>(descriptors.kind.bytes)) {
-    return Fields::Wrong("descriptor", "has " + std::to_string(hex.size()) + " hex digits, but " +
-                                           descriptors.kind.name + " has " +
-                                           std::to_string(2 * descriptors.kind.bytes));
+    return Wrong("descriptor", "has " + std::to_string(hex.size()) + " hex digits, but " +
+                                   descriptors.kind.name + " has " +
+                                   std::to_string(2 * descriptors.kind.bytes));
   }
   for (std::size_t i = 0; i < hex.size(); i += 2) {
     const int high = HexValue(hex[i]);
     const int low = HexValue(hex[i + 1]);
-    if (high < 0 || low < 0)
-      return Fields::Wrong("descriptor", "holds a character that is not hex");
+    if (high < 0 || low < 0) return Wrong("descriptor", "holds a character that is not hex");
     descriptors.bytes.push_back(static_cast<std::uint8_t>(high * 16 + low));
   }
   return Status::Ok();
 }
 
-Result<LineTrack> ParseGeometry(Fields& fields) {
+Result<LineTrack> ParseGeometry(TextFields& fields) {
   LineTrack track;
   MAPLOC_ASSIGN_OR_RETURN(track.id, fields.Number<std::int64_t>("line id"));
-  if (track.id < 0) return Fields::Wrong("line id", "is negative");
+  if (track.id < 0) return Wrong("line id", "is negative");
   MAPLOC_ASSIGN_OR_RETURN(track.segment_in_source.start, ParsePoint(fields, "first end point"));
   MAPLOC_ASSIGN_OR_RETURN(track.segment_in_source.end, ParsePoint(fields, "second end point"));
   if (track.segment_in_source.start == track.segment_in_source.end) {
-    return Fields::Wrong("second end point", "equals the first");
+    return Wrong("second end point", "equals the first");
   }
   return track;
 }
 
-Status ParseImages(Fields& fields, LineTrack& track) {
+Status ParseImages(TextFields& fields, LineTrack& track) {
   MAPLOC_ASSIGN_OR_RETURN(const int count, ParseCount(fields, "number of images", 1));
   std::set<std::int64_t> seen;
   for (int i = 0; i < count; ++i) {
     MAPLOC_ASSIGN_OR_RETURN(const auto image, fields.Number<std::int64_t>("image id"));
     if (!seen.insert(image).second) {
-      return Fields::Wrong("image id", std::to_string(image) + " stands twice in the track");
+      return Wrong("image id", std::to_string(image) + " stands twice in the track");
     }
     track.image_ids.push_back(image);
   }
   return Status::Ok();
 }
 
-Status ParseDescriptors(Fields& fields, LineTracks& tracks) {
+Status ParseDescriptors(TextFields& fields, LineTracks& tracks) {
   MAPLOC_ASSIGN_OR_RETURN(const int count, ParseCount(fields, "number of descriptors", 0));
   if (count > 0 && tracks.descriptors.kind.bytes == 0) {
-    return Fields::Wrong("number of descriptors", "is not 0 in a file of kind none");
+    return Wrong("number of descriptors", "is not 0 in a file of kind none");
   }
   for (int i = 0; i < count; ++i) {
     MAPLOC_RETURN_IF_ERROR(ParseDescriptor(fields.Word(), tracks.descriptors));
@@ -126,25 +90,25 @@ Status ParseDescriptors(Fields& fields, LineTracks& tracks) {
   return Status::Ok();
 }
 
-Status ParseTrack(Fields fields, std::set<std::int64_t>& ids, LineTracks& tracks) {
+Status ParseTrack(TextFields fields, std::set<std::int64_t>& ids, LineTracks& tracks) {
   MAPLOC_ASSIGN_OR_RETURN(LineTrack track, ParseGeometry(fields));
   if (!ids.insert(track.id).second) {
-    return Fields::Wrong("line id", std::to_string(track.id) + " stands twice in the file");
+    return Wrong("line id", std::to_string(track.id) + " stands twice in the file");
   }
   MAPLOC_RETURN_IF_ERROR(ParseImages(fields, track));
   MAPLOC_RETURN_IF_ERROR(ParseDescriptors(fields, tracks));
-  if (!fields.AtEnd()) return Fields::Wrong("line", "goes on after its last descriptor");
-  if (tracks.tracks.size() == kMaxLineTracks) return Fields::Wrong("file", "holds too many lines");
+  if (!fields.AtEnd()) return Wrong("line", "goes on after its last descriptor");
+  if (tracks.tracks.size() == kMaxLineTracks) return Wrong("file", "holds too many lines");
   tracks.tracks.push_back(std::move(track));
   return Status::Ok();
 }
 
-Status ParseHeader(Fields fields, LineTracks& tracks) {
+Status ParseHeader(TextFields fields, LineTracks& tracks) {
   if (fields.Word() != kMagic || fields.Word() != "1") {
-    return Fields::Wrong("header", "is not 'maploc-lines 1 KIND'");
+    return Wrong("header", "is not 'maploc-lines 1 KIND'");
   }
   const std::string kind(fields.Word());
-  if (!fields.AtEnd()) return Fields::Wrong("header", "goes on after the descriptors' kind");
+  if (!fields.AtEnd()) return Wrong("header", "goes on after the descriptors' kind");
   if (kind != "none") {
     MAPLOC_ASSIGN_OR_RETURN(tracks.descriptors.kind, DescriptorKindFromName(kind));
   }
@@ -170,7 +134,7 @@ Result<LineTracks> ReadLineTracks(const std::string& path) {
   std::string line;
   bool has_header = false;
   for (int number = 1; std::getline(file, line); ++number) {
-    const Fields fields(line);
+    const TextFields fields(std::string_view(line).substr(0, line.find('#')));
     if (fields.AtEnd()) continue;
     const Status status =
         has_header ? ParseTrack(fields, ids, tracks) : ParseHeader(fields, tracks);

@@ -1,0 +1,143 @@
+#include "mapstore/formats/colmap_builder.h"
+
+#include <cmath>
+#include <utility>
+
+#include "mapstore/formats/text_fields.h"
+
+namespace maploc {
+namespace {
+
+constexpr std::array<const char*, 12> kColmapModels = {"SIMPLE_PINHOLE",
+                                                       "PINHOLE",
+                                                       "SIMPLE_RADIAL",
+                                                       "RADIAL",
+                                                       "OPENCV",
+                                                       "OPENCV_FISHEYE",
+                                                       "FULL_OPENCV",
+                                                       "FOV",
+                                                       "SIMPLE_RADIAL_FISHEYE",
+                                                       "RADIAL_FISHEYE",
+                                                       "THIN_PRISM_FISHEYE",
+                                                       "RAD_TAN_THIN_PRISM_FISHEYE"};
+
+template <typename Vector>
+bool IsSane(const Vector& v) {
+  return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxColmapCoordinate;
+}
+
+Status CheckObservation(const ColmapModel& model, const ColmapPoint::Observation& observation) {
+  const auto image = model.images.find(observation.image_id);
+  if (image == model.images.end()) {
+    return InvalidArgument(
+        "track", "names image " + std::to_string(observation.image_id) + ", which does not exist");
+  }
+  const std::size_t keypoints = image->second.keypoints_px.size();
+  if (observation.keypoint < 0 || static_cast<std::size_t>(observation.keypoint) >= keypoints) {
+    return InvalidArgument("track", "names keypoint " + std::to_string(observation.keypoint) +
+                                        " of image " + std::to_string(observation.image_id) +
+                                        ", which has " + std::to_string(keypoints));
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+std::string ColmapModelName(std::int64_t model_id) {
+  if (model_id < 0 || model_id >= static_cast<std::int64_t>(kColmapModels.size())) return "";
+  return kColmapModels[static_cast<std::size_t>(model_id)];
+}
+
+Result<Camera> MakeColmapCamera(std::string_view model_name, std::int64_t width_px,
+                                std::int64_t height_px, std::vector<double> params) {
+  const std::optional<CameraModel> model = CameraModelFromName(model_name);
+  if (!model) {
+    return InvalidArgument("camera model",
+                           Quoted(model_name) +
+                               " is not supported; supported are SIMPLE_PINHOLE, PINHOLE, "
+                               "SIMPLE_RADIAL, RADIAL, OPENCV and OPENCV_FISHEYE");
+  }
+  if (width_px < 1 || width_px > kMaxImageSidePx || height_px < 1 || height_px > kMaxImageSidePx) {
+    return InvalidArgument("camera size", "sides must be in [1, 65536] pixels");
+  }
+  if (static_cast<int>(params.size()) == CameraParamCount(*model)) {
+    const bool two_focals = *model == CameraModel::kPinhole || *model == CameraModel::kOpenCv ||
+                            *model == CameraModel::kOpenCvFisheye;
+    const std::size_t cx = two_focals ? 2 : 1;
+    params[cx] -= 0.5;
+    params[cx + 1] -= 0.5;
+  }
+  return Camera::Create(*model, static_cast<int>(width_px), static_cast<int>(height_px),
+                        std::move(params));
+}
+
+Result<Rigid3> MakeColmapPose(const std::array<double, 7>& v) {
+  const Eigen::Quaterniond rotation(v[0], v[1], v[2], v[3]);
+  const Eigen::Vector3d translation(v[4], v[5], v[6]);
+  const double norm = rotation.norm();
+  if (!(norm > 1e-6) || !(norm < 1e6)) {
+    return InvalidArgument("rotation", "the quaternion's norm is 0 or not a number");
+  }
+  if (!IsSane(translation)) return InvalidArgument("translation", "is not finite or beyond 1e12");
+  return Rigid3{rotation.normalized(), translation};
+}
+
+Status AddColmapCamera(ColmapModel& model, std::int64_t id, Camera camera) {
+  if (id < 0) return InvalidArgument("camera id", "is negative");
+  if (!model.cameras.emplace(id, std::move(camera)).second) {
+    return InvalidArgument("camera id", std::to_string(id) + " stands twice");
+  }
+  return Status::Ok();
+}
+
+Status AddColmapImage(ColmapModel& model, ColmapImage image) {
+  if (image.id < 0) return InvalidArgument("image id", "is negative");
+  if (image.name.empty()) return InvalidArgument("image name", "is missing");
+  if (!model.cameras.contains(image.camera_id)) {
+    return InvalidArgument("camera id",
+                           std::to_string(image.camera_id) + " is not among the cameras");
+  }
+  for (std::size_t i = 0; i < image.keypoints_px.size(); ++i) {
+    if (!IsSane(image.keypoints_px[i])) {
+      return InvalidArgument("keypoint " + std::to_string(i), "is not finite or beyond 1e12");
+    }
+    if (image.point_ids[i] < -1) {
+      return InvalidArgument("keypoint " + std::to_string(i), "its point id is negative");
+    }
+  }
+  const std::int64_t id = image.id;
+  if (!model.images.emplace(id, std::move(image)).second) {
+    return InvalidArgument("image id", std::to_string(id) + " stands twice");
+  }
+  return Status::Ok();
+}
+
+Status AddColmapPoint(ColmapModel& model, ColmapPoint point) {
+  if (point.id < 0) return InvalidArgument("point id", "is negative");
+  if (!IsSane(point.position_in_source)) {
+    return InvalidArgument("position", "is not finite or beyond 1e12");
+  }
+  for (const ColmapPoint::Observation& observation : point.track) {
+    MAPLOC_RETURN_IF_ERROR(CheckObservation(model, observation));
+  }
+  const std::int64_t id = point.id;
+  if (!model.points.emplace(id, std::move(point)).second) {
+    return InvalidArgument("point id", std::to_string(id) + " stands twice");
+  }
+  return Status::Ok();
+}
+
+Status CheckColmapPointIds(const ColmapModel& model,
+                           const std::function<std::string(std::int64_t)>& where) {
+  for (const auto& [id, image] : model.images) {
+    for (std::size_t i = 0; i < image.point_ids.size(); ++i) {
+      const std::int64_t point = image.point_ids[i];
+      if (point == -1 || model.points.contains(point)) continue;
+      return InvalidFile(where(id), "keypoint " + std::to_string(i) + ": point " +
+                                        std::to_string(point) + " is not among the points");
+    }
+  }
+  return Status::Ok();
+}
+
+}  // namespace maploc

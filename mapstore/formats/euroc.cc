@@ -1,0 +1,109 @@
+#include "mapstore/formats/euroc.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "mapstore/formats/file_bytes.h"
+#include "mapstore/formats/text_fields.h"
+
+namespace maploc {
+namespace {
+
+struct Value {
+  std::string text;
+  std::string where;  // file:line
+};
+using Values = std::map<std::string, Value, std::less<>>;
+
+constexpr std::array<std::string_view, 5> kKeys = {"camera_model", "intrinsics", "distortion_model",
+                                                   "distortion_coefficients", "resolution"};
+
+// The top-level "key: value" lines that matter; comments are cut off.
+Result<Values> ReadKeys(const std::string& path) {
+  MAPLOC_ASSIGN_OR_RETURN(const std::string text, ReadFileBytes(path));
+  Values values;
+  TextLines lines(text);
+  std::string_view line;
+  while (lines.NextRecord(line)) {
+    line = line.substr(0, line.find('#'));
+    const std::size_t colon = line.find(':');
+    if (colon == std::string_view::npos) continue;
+    const std::string_view key = line.substr(0, colon);
+    if (std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end()) continue;
+    const std::string where = path + ":" + std::to_string(lines.number());
+    Value value{std::string(TextFields(line.substr(colon + 1)).Rest()), where};
+    if (!values.emplace(std::string(key), std::move(value)).second) {
+      return InvalidFile(where, std::string(key) + " stands twice");
+    }
+  }
+  for (const std::string_view key : kKeys) {
+    if (!values.contains(key)) {
+      return InvalidFile(path, "has no line '" + std::string(key) + ": ...'; is it a sensor.yaml?");
+    }
+  }
+  return values;
+}
+
+// "[a, b, c]" of exactly `count` numbers.
+Result<std::vector<double>> ParseList(const Value& value, std::size_t count) {
+  const std::string& text = value.text;
+  const Status wrong =
+      InvalidFile(value.where, "must be a list of " + std::to_string(count) + " numbers");
+  if (text.size() < 2 || text.front() != '[' || text.back() != ']') return wrong;
+  std::string inner = text.substr(1, text.size() - 2);
+  if (std::count(inner.begin(), inner.end(), ',') != static_cast<std::ptrdiff_t>(count) - 1) {
+    return wrong;
+  }
+  std::replace(inner.begin(), inner.end(), ',', ' ');
+  std::vector<double> numbers;
+  TextFields fields(inner);
+  while (!fields.AtEnd()) {
+    const Result<double> number = fields.Number<double>("list");
+    if (!number.ok()) return InvalidFile(value.where, number.status().message());
+    numbers.push_back(*number);
+  }
+  if (numbers.size() != count) return wrong;
+  return numbers;
+}
+
+Result<CameraModel> ParseModel(const Values& values) {
+  const Value& projection = values.find("camera_model")->second;
+  if (projection.text != "pinhole") {
+    return InvalidFile(projection.where,
+                       "camera_model '" + projection.text + "' is not supported; pinhole is");
+  }
+  const Value& distortion = values.find("distortion_model")->second;
+  if (distortion.text == "radial-tangential") return CameraModel::kOpenCv;
+  if (distortion.text == "equidistant") return CameraModel::kOpenCvFisheye;
+  return InvalidFile(distortion.where, "distortion_model '" + distortion.text +
+                                           "' is not supported; radial-tangential and "
+                                           "equidistant are");
+}
+
+}  // namespace
+
+Result<Camera> ReadEurocSensorYaml(const std::string& path) {
+  MAPLOC_ASSIGN_OR_RETURN(const Values values, ReadKeys(path));
+  MAPLOC_ASSIGN_OR_RETURN(const CameraModel model, ParseModel(values));
+  MAPLOC_ASSIGN_OR_RETURN(std::vector<double> params,
+                          ParseList(values.find("intrinsics")->second, 4));
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<double> distortion,
+                          ParseList(values.find("distortion_coefficients")->second, 4));
+  const Value& resolution = values.find("resolution")->second;
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<double> sides, ParseList(resolution, 2));
+  for (const double side : sides) {
+    if (!(side >= 1 && side <= kMaxImageSidePx) || side != std::floor(side)) {
+      return InvalidFile(resolution.where, "resolution must be two whole numbers in [1, 65536]");
+    }
+  }
+  params.insert(params.end(), distortion.begin(), distortion.end());
+  Result<Camera> camera = Camera::Create(model, static_cast<int>(sides[0]),
+                                         static_cast<int>(sides[1]), std::move(params));
+  if (!camera.ok()) return InvalidFile(path, camera.status().message());
+  return camera;
+}
+
+}  // namespace maploc
