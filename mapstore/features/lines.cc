@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+#include <opencv2/line_descriptor.hpp>
+
+#include "mapstore/features/features.h"
+#include "mapstore/features/opencv_image.h"
+
+namespace maploc {
+namespace {
+
+constexpr int kMinSidePx =
+    32;  // below, no line of a useful length fits and LBD's pyramid has no room
+
+float Length(const cv::Vec4f& s) { return std::hypot(s[2] - s[0], s[3] - s[1]); }
+
+// LSD at full resolution: its own reduction to 0.8 shifts the result by an eighth of a pixel.
+std::vector<cv::Vec4f> DetectSegments(const cv::Mat& image, const LineDetectionOptions& options) {
+  std::vector<cv::Vec4f> segments;
+  cv::createLineSegmentDetector(cv::LSD_REFINE_STD)->detect(image, segments);
+  const auto limit_x = static_cast<float>(image.cols - 1);
+  const auto limit_y = static_cast<float>(image.rows - 1);
+  for (cv::Vec4f& s : segments) {
+    for (int i = 0; i < 4; ++i) s[i] = std::clamp(s[i], 0.0f, i % 2 == 0 ? limit_x : limit_y);
+  }
+  const auto min_length = static_cast<float>(options.min_length_px);
+  std::erase_if(segments, [&](const cv::Vec4f& s) { return !(Length(s) >= min_length); });
+  std::stable_sort(segments.begin(), segments.end(),
+                   [](const cv::Vec4f& a, const cv::Vec4f& b) { return Length(a) > Length(b); });
+  if (segments.size() > static_cast<std::size_t>(options.max_features)) {
+    segments.resize(static_cast<std::size_t>(options.max_features));
+  }
+  return segments;
+}
+
+cv::line_descriptor::KeyLine MakeKeyLine(const cv::Vec4f& s, int id, const cv::Mat& image) {
+  cv::line_descriptor::KeyLine line;
+  line.startPointX = line.sPointInOctaveX = s[0];
+  line.startPointY = line.sPointInOctaveY = s[1];
+  line.endPointX = line.ePointInOctaveX = s[2];
+  line.endPointY = line.ePointInOctaveY = s[3];
+  line.lineLength = Length(s);
+  line.angle = std::atan2(s[3] - s[1], s[2] - s[0]);
+  line.class_id = id;
+  line.octave = 0;
+  line.size = (s[2] - s[0]) * (s[3] - s[1]);
+  line.response = line.lineLength / static_cast<float>(std::max(image.cols, image.rows));
+  line.numOfPixels =
+      cv::LineIterator(image, cv::Point2f(s[0], s[1]), cv::Point2f(s[2], s[3])).count;
+  line.pt = cv::Point2f((s[0] + s[2]) / 2, (s[1] + s[3]) / 2);
+  return line;
+}
+
+LineFeatures Describe(const cv::Mat& image, const std::vector<cv::Vec4f>& segments,
+                      const DescriptorKind& kind) {
+  std::vector<cv::line_descriptor::KeyLine> lines;
+  for (const cv::Vec4f& s : segments) {
+    lines.push_back(MakeKeyLine(s, static_cast<int>(lines.size()), image));
+  }
+  cv::Mat descriptors;
+  cv::line_descriptor::BinaryDescriptor::createBinaryDescriptor()->compute(image, lines,
+                                                                           descriptors);
+  LineFeatures features;
+  features.descriptors.kind = kind;
+  for (const cv::line_descriptor::KeyLine& line : lines) {
+    features.starts_px.emplace_back(line.startPointX, line.startPointY);
+    features.ends_px.emplace_back(line.endPointX, line.endPointY);
+    const std::uint8_t* row = descriptors.ptr<std::uint8_t>(static_cast<int>(&line - lines.data()));
+    features.descriptors.bytes.insert(features.descriptors.bytes.end(), row, row + kind.bytes);
+  }
+  return features;
+}
+
+}  // namespace
+
+Result<LineFeatures> DetectLines(const GrayImage& image, const LineDetectionOptions& options) {
+  MAPLOC_ASSIGN_OR_RETURN(const cv::Mat view, ViewAsMat(image));
+  if (options.max_features < 1) return InvalidArgument("max_features", "must be positive");
+  if (!(options.min_length_px >= 1)) return InvalidArgument("min_length_px", "must be at least 1");
+  MAPLOC_ASSIGN_OR_RETURN(const DescriptorKind kind, DescriptorKindFromName("lbd"));
+  LineFeatures none;
+  none.descriptors.kind = kind;
+  if (std::min(view.cols, view.rows) < kMinSidePx) return none;
+  try {
+    const std::vector<cv::Vec4f> segments = DetectSegments(view, options);
+    return segments.empty() ? none : Describe(view, segments, kind);
+  } catch (const cv::Exception& error) {
+    return Internal("line detection failed: " + error.err);
+  }
+}
+
+}  // namespace maploc
