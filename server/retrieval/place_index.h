@@ -15,8 +15,9 @@ namespace maploc {
 // Immutable after Build, hence thread-safe.
 class PlaceIndex {
  public:
-  // Landmarks shared by segments are taken once, from the first that holds them. Memory: the
-  // landmarks' descriptors once more, 4 bytes a row, and 4 bytes a landmark and segment holding it.
+  // Landmarks shared by segments are taken once, from the one with most descriptor rows for it.
+  // Memory: the landmarks' descriptors once more, 4 bytes a row, and 4 bytes a landmark and segment
+  // holding it. REQUIRES: no null, one descriptor kind.
   static PlaceIndex Build(std::span<const std::shared_ptr<const Segment>> segments);
 
   int landmark_count() const { return static_cast<int>(segment_begin_.size()) - 1; }
@@ -25,12 +26,16 @@ class PlaceIndex {
   std::span<const std::int32_t> row_landmark() const { return row_landmark_; }
   // Indices into Build's segments, ascending.
   std::span<const std::int32_t> SegmentsOf(std::int32_t landmark) const;
+  // How far off its path a segment can be seen from: the median distance from its landmarks to its
+  // path (map unit); 0 without landmarks or path. `segment` is an index into Build's segments.
+  double ReachOf(int segment) const { return reach_[segment]; }
 
  private:
   Descriptors descriptors_;
   std::vector<std::int32_t> row_landmark_;
   std::vector<std::int32_t> segment_begin_ = {0};  // of each landmark in holders_, and the end
   std::vector<std::int32_t> holders_;
+  std::vector<double> reach_;
 };
 
 }  // namespace maploc

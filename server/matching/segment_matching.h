@@ -1,0 +1,20 @@
+// Matches of a view's points and lines with a segment's landmarks.
+#pragma once
+
+#include "mapstore/descriptors/knn.h"
+#include "mapstore/model/map.h"
+#include "mapstore/model/matches.h"
+#include "mapstore/model/query.h"
+
+namespace maploc {
+
+// The ratio that a descriptor of this kind must stay below: measured (README.md), not a matter of
+// taste.
+float MaxRatio(const DescriptorKind& kind);
+
+// Points and lines, each by nearest neighbour, ratio and mutual test. Lines that the segment does
+// not describe in the view's kind give none. REQUIRES: the points' kinds are equal (or one side is
+// empty). Deterministic; thread-safe.
+Matches MatchSegment(const View& view, const Segment& segment);
+
+}  // namespace maploc

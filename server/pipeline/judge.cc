@@ -1,0 +1,55 @@
+#include "server/pipeline/judge.h"
+
+#include "mapstore/geometry/line.h"
+#include "server/refinement/confidence.h"
+
+namespace maploc {
+namespace {
+
+void Count(bool inlier, FeatureCounts& counts) {
+  ++counts.matches;
+  if (inlier) ++counts.inliers;
+}
+
+// Before there is a pose the flags are empty, and nothing is an inlier.
+bool IsInlier(const std::vector<std::uint8_t>& inliers, std::size_t index) {
+  return index < inliers.size() && inliers[index] != 0;
+}
+
+}  // namespace
+
+Verdict JudgePose(const PoseProblem& problem, const RefinedPose& pose, const Camera& camera,
+                  const JudgeOptions& options) {
+  const ConfidenceOptions confidence{
+      .max_reprojection_error_px = options.max_reprojection_error_px,
+      .image_width_px = camera.width_px(),
+      .image_height_px = camera.height_px(),
+      .iterations = options.iterations,
+  };
+  Verdict verdict;
+  verdict.confidence = PoseConfidence(problem, pose, confidence);
+  if (verdict.confidence < options.min_confidence) {
+    verdict.outcome = Outcome::kLowConfidence;
+  } else if (problem.has_gravity &&
+             !GravityConsistent(pose.gravity_disagreement_rad, problem.gravity_sigma_rad,
+                                pose.covariance)) {
+    verdict.outcome = Outcome::kGravityInconsistent;
+  } else {
+    verdict.outcome = Outcome::kLocalized;
+  }
+  return verdict;
+}
+
+Evidence CountEvidence(const PoseProblem& problem, const RefinedPose& pose) {
+  Evidence evidence;
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    Count(IsInlier(pose.point_inliers, i), evidence.points);
+  }
+  for (std::size_t i = 0; i < problem.lines.size(); ++i) {
+    const bool usable = IsUsableLine(problem.lines[i].segment_in_map);
+    Count(IsInlier(pose.line_inliers, i), usable ? evidence.usable_lines : evidence.vertical_lines);
+  }
+  return evidence;
+}
+
+}  // namespace maploc

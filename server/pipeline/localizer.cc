@@ -1,0 +1,202 @@
+#include "server/pipeline/localizer.h"
+
+#include <optional>
+#include <utility>
+
+#include "mapstore/base/random.h"
+#include "server/matching/pose_problem.h"
+#include "server/matching/segment_matching.h"
+#include "server/pipeline/body_pose.h"
+#include "server/pipeline/interrupt.h"
+#include "server/pipeline/judge.h"
+#include "server/pipeline/query_check.h"
+#include "server/pipeline/stopwatch.h"
+#include "server/ransac/estimator.h"
+#include "server/refinement/refine.h"
+#include "server/retrieval/ranking.h"
+
+namespace maploc {
+namespace {
+
+// What stays the same while one query walks through its segments.
+struct Context {
+  const Query& query;
+  const MapSnapshot& map;
+  const LocalizerOptions& options;
+  Interrupt interrupt;
+  std::uint64_t seed;
+
+  const View& view() const { return query.views.front(); }
+};
+
+std::vector<int> Rank(const Context& context, StageTimes& times) {
+  const Stopwatch watch(times.retrieval_ms);
+  std::vector<std::shared_ptr<const Segment>> segments;
+  for (const MapSnapshot::Entry& entry : context.map.segments) segments.push_back(entry.segment);
+  const RetrievalOptions options{
+      .max_segments = context.options.max_segments_tried,
+      .max_ratio = MaxRatio(context.map.info.point_descriptor),
+  };
+  return RankSegments(context.view().points, context.query.prior, segments, *context.map.places,
+                      options);
+}
+
+MatchedProblem Match(const Context& context, const Segment& segment, StageTimes& times) {
+  const Stopwatch watch(times.matching_ms);
+  const Matches matches = MatchSegment(context.view(), segment);
+  return BuildPoseProblem(matches, context.view(), segment, context.query.gravity);
+}
+
+// The smallest samples of any strategy with gravity are two points, or a point and a line.
+bool CanDraw(const PoseProblem& problem) {
+  return problem.points.size() >= 2 || (!problem.points.empty() && !problem.lines.empty());
+}
+
+Strategy ChooseStrategy(const Context& context, const StrategyDecision& decision) {
+  return context.query.requested_strategy.value_or(decision.strategy);
+}
+
+Consensus Estimate(const Context& context, const MapSnapshot::Entry& entry,
+                   const PoseProblem& problem, StageTimes& times) {
+  const Stopwatch watch(times.ransac_ms);
+  RansacOptions options;
+  options.strategy = ChooseStrategy(context, entry.decision);
+  options.max_reprojection_error_px = context.options.max_reprojection_error_px;
+  options.seed = Random(context.seed).Fork(entry.segment->id).Next();
+  options.deadline = context.interrupt.deadline;
+  options.cancelled = context.interrupt.cancelled;
+  return EstimateConsensus(problem, options);
+}
+
+RefinedPose Refine(const Context& context, const PoseProblem& problem, const Consensus& consensus,
+                   StageTimes& times) {
+  const Stopwatch watch(times.refinement_ms);
+  RefineOptions options;
+  options.mode = context.query.refinement;
+  options.max_reprojection_error_px = context.options.max_reprojection_error_px;
+  return RefinePose(problem, consensus.camera_from_map, options);
+}
+
+// An answer about `entry`'s segment without a pose as yet.
+Localization Begin(const Context& context, const MapSnapshot::Entry& entry) {
+  Localization answer;
+  answer.map = context.map.info.key;
+  answer.segment = entry.segment->id;
+  answer.strategy_source =
+      context.query.requested_strategy ? StrategySource::kRequested : entry.decision.source;
+  answer.evidence.strategy = ChooseStrategy(context, entry.decision);
+  return answer;
+}
+
+void FillEvidence(const PoseProblem& problem, const RefinedPose& pose, const Consensus& consensus,
+                  Evidence& evidence) {
+  evidence = CountEvidence(problem, pose);
+  evidence.strategy = consensus.strategy;
+  evidence.fell_back = consensus.fell_back;
+  evidence.iterations = consensus.iterations;
+  evidence.gravity_disagreement_rad = pose.gravity_disagreement_rad;
+}
+
+void FillPose(const Context& context, const RefinedPose& pose, Localization& answer) {
+  const Rigid3& camera_from_body = context.view().camera_from_body;
+  answer.map_from_body = MapFromBody(pose.camera_from_map, camera_from_body);
+  answer.covariance = BodyCovariance(pose.covariance, pose.camera_from_map, camera_from_body);
+}
+
+void Judge(const Context& context, const PoseProblem& problem, const RefinedPose& pose,
+           int iterations, Localization& answer) {
+  const JudgeOptions options{
+      .min_confidence = context.options.min_confidence,
+      .max_reprojection_error_px = context.options.max_reprojection_error_px,
+      .iterations = iterations,
+  };
+  const Verdict verdict = JudgePose(problem, pose, context.view().camera, options);
+  answer.outcome = verdict.outcome;
+  answer.evidence.confidence = verdict.confidence;
+  if (verdict.outcome == Outcome::kLocalized) FillPose(context, pose, answer);
+}
+
+// One segment through matching, RANSAC, refinement and judgement. `iterations` counts on over the
+// segments of a query; `times` add up.
+Result<Localization> TrySegment(const Context& context, const MapSnapshot::Entry& entry,
+                                int& iterations, StageTimes& times) {
+  Localization answer = Begin(context, entry);
+  MatchedProblem matched = Match(context, *entry.segment, times);
+  const PoseProblem& problem = matched.problem;
+  answer.matches = std::move(matched.matches);
+  answer.evidence = CountEvidence(problem, RefinedPose());
+  answer.evidence.strategy = ChooseStrategy(context, entry.decision);
+  answer.point_match_inlier.assign(problem.points.size(), 0);
+  answer.line_match_inlier.assign(problem.lines.size(), 0);
+  answer.outcome = Outcome::kTooFewMatches;
+  MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
+  if (!CanDraw(problem)) return answer;
+
+  const Consensus consensus = Estimate(context, entry, problem, times);
+  MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
+  iterations += consensus.iterations;
+  FillEvidence(problem, RefinedPose(), consensus, answer.evidence);
+  answer.outcome = Outcome::kNoConsensus;
+  if (!consensus.found) return answer;
+
+  const RefinedPose pose = Refine(context, problem, consensus, times);
+  if (!pose.converged) return answer;
+  FillEvidence(problem, pose, consensus, answer.evidence);
+  answer.point_match_inlier = pose.point_inliers;
+  answer.line_match_inlier = pose.line_inliers;
+  Judge(context, problem, pose, iterations, answer);
+  return answer;
+}
+
+// The segments in their order until one answers. Where none does, the best ranked one speaks: a
+// query counts in exactly one segment.
+Result<Localization> TrySegments(const Context& context, const std::vector<int>& ranked,
+                                 StageTimes& times) {
+  std::optional<Localization> first;
+  int iterations = 0;
+  for (const int index : ranked) {
+    MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
+    MAPLOC_ASSIGN_OR_RETURN(Localization answer,
+                            TrySegment(context, context.map.segments[index], iterations, times));
+    if (answer.outcome == Outcome::kLocalized) return answer;
+    if (!first) first = std::move(answer);
+  }
+  return *std::move(first);
+}
+
+Localization OutOfMap(const Context& context) {
+  Localization answer;
+  answer.map = context.map.info.key;
+  answer.outcome = Outcome::kOutOfMap;
+  if (context.query.requested_strategy) {
+    answer.evidence.strategy = *context.query.requested_strategy;
+    answer.strategy_source = StrategySource::kRequested;
+  }
+  return answer;
+}
+
+}  // namespace
+
+Result<Localization> Localize(const Query& query, const MapSnapshot& map,
+                              const LocalizerOptions& options, Deadline deadline,
+                              const std::atomic<bool>* cancelled) {
+  StageTimes times;
+  Localization answer;
+  {
+    const Stopwatch watch(times.total_ms);
+    MAPLOC_RETURN_IF_ERROR(CheckQuery(query, map.info));
+    const Context context{
+        query, map, options, {deadline, cancelled}, options.seed ^ ContentHash(query)};
+    MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
+    const std::vector<int> ranked = Rank(context, times);
+    if (ranked.empty()) {
+      answer = OutOfMap(context);
+    } else {
+      MAPLOC_ASSIGN_OR_RETURN(answer, TrySegments(context, ranked, times));
+    }
+  }
+  answer.times = times;
+  return answer;
+}
+
+}  // namespace maploc

@@ -1,0 +1,98 @@
+#include "server/retrieval/place_index.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "server/retrieval/path_distance.h"
+
+namespace maploc {
+namespace {
+
+// Landmarks enough for a median, whatever the segment's size.
+constexpr int kReachSamples = 256;
+
+double MedianReach(const Segment& segment) {
+  const std::vector<Eigen::Vector3d>& positions = segment.points.positions_in_map;
+  if (positions.empty() || segment.path_in_map.empty()) return 0.0;
+  const std::size_t step = 1 + (positions.size() - 1) / kReachSamples;
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < positions.size(); i += step) {
+    distances.push_back(DistanceToPath(positions[i], segment.path_in_map));
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+struct RowRange {
+  std::int32_t begin = 0;
+  std::int32_t end = 0;
+  std::int32_t size() const { return end - begin; }
+};
+
+RowRange RowsOf(const PointLandmarks& points, std::int32_t landmark) {
+  const auto& owners = points.descriptor_landmark;
+  const auto [first, last] = std::equal_range(owners.begin(), owners.end(), landmark);
+  return {static_cast<std::int32_t>(first - owners.begin()),
+          static_cast<std::int32_t>(last - owners.begin())};
+}
+
+// One landmark in one segment. Sorted by id, then segment.
+struct Holding {
+  LandmarkId id = 0;
+  std::int32_t segment = 0;
+  std::int32_t landmark = 0;  // index into the segment's points
+
+  auto Key() const { return std::tie(id, segment); }
+};
+
+std::vector<Holding> SortedHoldings(std::span<const std::shared_ptr<const Segment>> segments) {
+  std::vector<Holding> holdings;
+  for (std::size_t s = 0; s < segments.size(); ++s) {
+    const std::vector<LandmarkId>& ids = segments[s]->points.ids;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      holdings.push_back({ids[i], static_cast<std::int32_t>(s), static_cast<std::int32_t>(i)});
+    }
+  }
+  std::sort(holdings.begin(), holdings.end(),
+            [](const Holding& a, const Holding& b) { return a.Key() < b.Key(); });
+  return holdings;
+}
+
+}  // namespace
+
+PlaceIndex PlaceIndex::Build(std::span<const std::shared_ptr<const Segment>> segments) {
+  PlaceIndex index;
+  const std::vector<Holding> holdings = SortedHoldings(segments);
+  for (std::size_t i = 0; i < holdings.size();) {
+    const PointLandmarks* richest = nullptr;
+    RowRange rows;
+    const LandmarkId id = holdings[i].id;
+    for (; i < holdings.size() && holdings[i].id == id; ++i) {
+      index.holders_.push_back(holdings[i].segment);
+      const PointLandmarks& points = segments[holdings[i].segment]->points;
+      const RowRange found = RowsOf(points, holdings[i].landmark);
+      if (richest == nullptr || found.size() > rows.size()) {
+        richest = &points;
+        rows = found;
+      }
+    }
+    for (std::int32_t row = rows.begin; row < rows.end; ++row) {
+      const auto bytes = richest->descriptors.row(row);
+      index.descriptors_.bytes.insert(index.descriptors_.bytes.end(), bytes.begin(), bytes.end());
+    }
+    if (rows.size() > 0) index.descriptors_.kind = richest->descriptors.kind;
+    index.row_landmark_.insert(index.row_landmark_.end(), rows.size(), index.landmark_count());
+    index.segment_begin_.push_back(static_cast<std::int32_t>(index.holders_.size()));
+  }
+  for (const auto& segment : segments) index.reach_.push_back(MedianReach(*segment));
+  return index;
+}
+
+std::span<const std::int32_t> PlaceIndex::SegmentsOf(std::int32_t landmark) const {
+  const std::span<const std::int32_t> all(holders_);
+  const std::int32_t begin = segment_begin_[landmark];
+  return all.subspan(begin, segment_begin_[landmark + 1] - begin);
+}
+
+}  // namespace maploc
