@@ -1,0 +1,142 @@
+#include "server/matching/pose_problem.h"
+
+#include <gmock/gmock.h>
+
+#include "server/matching/segment_matching.h"
+#include "tests/support/seed.h"
+
+namespace maploc {
+namespace {
+
+const DescriptorKind kOrb{"orb", 32, DescriptorMetric::kHamming};
+const DescriptorKind kLbd{"lbd", 32, DescriptorMetric::kHamming};
+
+Descriptors RandomDescriptors(const DescriptorKind& kind, int count, Random& random) {
+  Descriptors result{kind, {}};
+  for (int i = 0; i < count * kind.bytes; ++i) {
+    result.bytes.push_back(static_cast<std::uint8_t>(random.Below(256)));
+  }
+  return result;
+}
+
+// A fisheye camera, whose distortion cannot be overlooked.
+Camera Fisheye() {
+  return Camera::Create(CameraModel::kOpenCvFisheye, 640, 480,
+                        {300, 310, 320, 240, -0.02, 0.01, -0.003, 0.0})
+      .value();
+}
+
+// A segment of points and lines before the camera at the map's origin, and the view that it gives:
+// feature i is landmark (count - 1 - i).
+struct Scene {
+  explicit Scene(Random random) {
+    view.camera_from_body.rotation = Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized());
+    for (int i = 0; i < kCount; ++i) {
+      segment.points.ids.push_back(i);
+      segment.points.positions_in_map.push_back(RandomPoint(random));
+      segment.points.descriptor_landmark.push_back(i);
+      segment.lines.ids.push_back(i);
+      segment.lines.segments_in_map.push_back({RandomPoint(random), RandomPoint(random)});
+      segment.lines.descriptor_landmark.push_back(i);
+    }
+    segment.points.descriptors = RandomDescriptors(kOrb, kCount, random);
+    segment.lines.descriptors = RandomDescriptors(kLbd, kCount, random);
+    view.points.descriptors.kind = kOrb;
+    view.lines.descriptors.kind = kLbd;
+    for (int i = kCount - 1; i >= 0; --i) See(i);
+  }
+
+  static constexpr int kCount = 20;
+  static Eigen::Vector3d RandomPoint(Random& random) {
+    return {random.Uniform(-3, 3), random.Uniform(-2, 2), random.Uniform(3, 6)};
+  }
+
+  void See(int i) {
+    const auto project = [&](const Eigen::Vector3d& point) {
+      return Eigen::Vector2f(view.camera.Project(point)->cast<float>());
+    };
+    const auto copy = [i](const Descriptors& from, Descriptors& to) {
+      to.bytes.insert(to.bytes.end(), from.row(i).begin(), from.row(i).end());
+    };
+    view.points.keypoints_px.push_back(project(segment.points.positions_in_map[i]));
+    view.lines.starts_px.push_back(project(segment.lines.segments_in_map[i].start));
+    view.lines.ends_px.push_back(project(segment.lines.segments_in_map[i].end));
+    copy(segment.points.descriptors, view.points.descriptors);
+    copy(segment.lines.descriptors, view.lines.descriptors);
+  }
+
+  View view{Fisheye(), {}, {}, {}};
+  Segment segment;
+};
+
+TEST(MatchSegmentTest, FindsThePointsAndLinesThatAreSeen) {
+  const Scene scene(testing::TestRandom());
+  const Matches matches = MatchSegment(scene.view, scene.segment);
+  ASSERT_EQ(matches.points.size(), 20u);
+  ASSERT_EQ(matches.lines.size(), 20u);
+  for (int i = 0; i < Scene::kCount; ++i) {
+    EXPECT_EQ(matches.points[i].feature, i);
+    EXPECT_EQ(matches.points[i].landmark, Scene::kCount - 1 - i);
+    EXPECT_EQ(matches.lines[i].landmark, Scene::kCount - 1 - i);
+  }
+}
+
+TEST(MatchSegmentTest, LinesOfAnotherKindAndMissingLinesMatchNothing) {
+  Scene scene(testing::TestRandom());
+  scene.segment.lines.descriptors.kind = {"binary32", 32, DescriptorMetric::kHamming};
+  EXPECT_TRUE(MatchSegment(scene.view, scene.segment).lines.empty());
+  scene.segment.lines = {};
+  EXPECT_TRUE(MatchSegment(scene.view, scene.segment).lines.empty());
+  EXPECT_EQ(MatchSegment(scene.view, scene.segment).points.size(), 20u);
+}
+
+TEST(BuildPoseProblemTest, UndistortsFeaturesIntoThePlaneAtDistanceOne) {
+  const Scene scene(testing::TestRandom());
+  const Matches matches = MatchSegment(scene.view, scene.segment);
+  const MatchedProblem built = BuildPoseProblem(matches, scene.view, scene.segment, std::nullopt);
+  ASSERT_EQ(built.problem.points.size(), 20u);
+  for (const PointCorrespondence& point : built.problem.points) {
+    EXPECT_LT((point.normalized - point.position_in_map.hnormalized()).norm(), 1e-6);
+  }
+  for (const LineCorrespondence& line : built.problem.lines) {
+    EXPECT_LT((line.normalized.start - line.segment_in_map.start.hnormalized()).norm(), 1e-6);
+    EXPECT_LT((line.normalized.end - line.segment_in_map.end.hnormalized()).norm(), 1e-6);
+  }
+  EXPECT_DOUBLE_EQ(built.problem.focal_length_px, std::sqrt(300.0 * 310.0));
+  EXPECT_FALSE(built.problem.has_gravity);
+}
+
+TEST(BuildPoseProblemTest, TurnsGravityFromTheBodyIntoTheCamera) {
+  const Scene scene(testing::TestRandom());
+  const Gravity gravity{Eigen::Vector3d(0.6, 0.0, -0.8), 0.02};
+  const PoseProblem problem = BuildPoseProblem({}, scene.view, scene.segment, gravity).problem;
+  EXPECT_TRUE(problem.has_gravity);
+  EXPECT_DOUBLE_EQ(problem.gravity_sigma_rad, 0.02);
+  const Eigen::Vector3d want = scene.view.camera_from_body.rotation * gravity.direction_in_body;
+  EXPECT_LT((problem.gravity_in_camera - want).norm(), 1e-12);
+}
+
+// Beyond a right angle off the axis there is no plane at distance one.
+TEST(BuildPoseProblemTest, DropsWhatTheCameraCannotHaveSeenFromMatchesAndProblemAlike) {
+  Scene scene(testing::TestRandom());
+  scene.view.points.keypoints_px[3] = {50000.0f, 240.0f};
+  scene.view.lines.ends_px[5] = {50000.0f, 240.0f};
+  Matches matches;
+  for (int i = 0; i < Scene::kCount; ++i) {
+    matches.points.push_back({i, i, 0.5f});
+    matches.lines.push_back({i, i, 0.25f});
+  }
+  const MatchedProblem built = BuildPoseProblem(matches, scene.view, scene.segment, std::nullopt);
+  ASSERT_EQ(built.problem.points.size(), 19u);
+  ASSERT_EQ(built.matches.points.size(), 19u);
+  ASSERT_EQ(built.problem.lines.size(), 19u);
+  ASSERT_EQ(built.matches.lines.size(), 19u);
+  EXPECT_EQ(built.matches.points[3].feature, 4);
+  EXPECT_EQ(built.matches.lines[5].feature, 6);
+  EXPECT_EQ(built.problem.points[3].position_in_map, scene.segment.points.positions_in_map[4]);
+  EXPECT_EQ(built.problem.points[3].ratio, 0.5);
+  EXPECT_EQ(built.problem.lines[5].ratio, 0.25);
+}
+
+}  // namespace
+}  // namespace maploc
