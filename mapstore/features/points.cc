@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include <opencv2/features2d.hpp>
@@ -9,6 +10,15 @@
 
 namespace maploc {
 namespace {
+
+constexpr float kOrbScaleFactor = 1.2f;  // OpenCV's default
+constexpr int kSiftOctaveLayers = 3;
+// COLMAP's peak threshold 0.02 / 3 in OpenCV's terms: half of OpenCV's default, so that a wall with
+// little contrast has keypoints too. The strongest are kept anyway.
+constexpr double kSiftContrastThreshold = 0.02;
+// SIFT doubles the image first, which puts pixel x at 2x + 1/2, and halves the result without
+// undoing that half (measured: README.md).
+constexpr float kSiftShiftPx = 0.25f;
 
 // Strongest first; equal responses keep the detector's order, so that the result is one and the
 // same on every run.
@@ -32,37 +42,54 @@ void AppendRootSift(const float* values, std::vector<std::uint8_t>& bytes) {
   }
 }
 
-PointFeatures DetectOrb(const cv::Mat& image, const DescriptorKind& kind, int max_features) {
+struct Detection {
   std::vector<cv::KeyPoint> keypoints;
-  cv::Mat descriptors;
-  cv::ORB::create(max_features)->detectAndCompute(image, cv::noArray(), keypoints, descriptors);
+  cv::Mat descriptors;  // one row a keypoint
+};
+
+// ORB multiplies a pyramid level's coordinates by its nominal scale. But levels are resized with
+// the pixels' outer borders in place, to whole sizes: (x_level + 1/2) / side_level = (x + 1/2) /
+// side.
+Eigen::Vector2f OrbPosition(const cv::KeyPoint& keypoint, const cv::Size& size) {
+  const auto scale =
+      static_cast<float>(std::pow(static_cast<double>(kOrbScaleFactor), keypoint.octave));
+  const auto undo = [scale](float position, int side) {
+    const auto side_level = static_cast<float>(cvRound(static_cast<float>(side) / scale));
+    return (position / scale + 0.5f) * static_cast<float>(side) / side_level - 0.5f;
+  };
+  return {undo(keypoint.pt.x, size.width), undo(keypoint.pt.y, size.height)};
+}
+
+PointFeatures DetectOrb(const cv::Mat& image, const DescriptorKind& kind, int max_features) {
+  Detection found;
+  cv::ORB::create(max_features, kOrbScaleFactor)
+      ->detectAndCompute(image, cv::noArray(), found.keypoints, found.descriptors);
   PointFeatures features;
   features.descriptors.kind = kind;
-  for (const int i : StrongestFirst(keypoints)) {
-    const cv::Point2f& p = keypoints[static_cast<std::size_t>(i)].pt;
-    features.keypoints_px.emplace_back(p.x, p.y);
-    const std::uint8_t* row = descriptors.ptr<std::uint8_t>(i);
+  for (const int i : StrongestFirst(found.keypoints)) {
+    features.keypoints_px.push_back(
+        OrbPosition(found.keypoints[static_cast<std::size_t>(i)], image.size()));
+    const std::uint8_t* row = found.descriptors.ptr<std::uint8_t>(i);
     features.descriptors.bytes.insert(features.descriptors.bytes.end(), row, row + kind.bytes);
   }
   return features;
 }
 
 PointFeatures DetectSift(const cv::Mat& image, const DescriptorKind& kind, int max_features) {
-  std::vector<cv::KeyPoint> keypoints;
-  cv::Mat descriptors;
-  cv::SIFT::create(max_features)->detectAndCompute(image, cv::noArray(), keypoints, descriptors);
+  Detection found;
+  cv::SIFT::create(max_features, kSiftOctaveLayers, kSiftContrastThreshold)
+      ->detectAndCompute(image, cv::noArray(), found.keypoints, found.descriptors);
   PointFeatures features;
   features.descriptors.kind = kind;
-  for (const int i : StrongestFirst(keypoints)) {
-    const cv::Point2f& p = keypoints[static_cast<std::size_t>(i)].pt;
-    features.keypoints_px.emplace_back(p.x, p.y);
-    const float* row = descriptors.ptr<float>(i);
+  for (const int i : StrongestFirst(found.keypoints)) {
+    const cv::Point2f& p = found.keypoints[static_cast<std::size_t>(i)].pt;
+    features.keypoints_px.emplace_back(p.x - kSiftShiftPx, p.y - kSiftShiftPx);
+    const float* row = found.descriptors.ptr<float>(i);
     if (kind.name == "sift_root_u8") {
       AppendRootSift(row, features.descriptors.bytes);
     } else {
-      for (int k = 0; k < kind.bytes; ++k) {
-        features.descriptors.bytes.push_back(cv::saturate_cast<std::uint8_t>(row[k]));
-      }
+      std::transform(row, row + kind.bytes, std::back_inserter(features.descriptors.bytes),
+                     [](float value) { return cv::saturate_cast<std::uint8_t>(value); });
     }
   }
   return features;
