@@ -1,0 +1,108 @@
+#include "server/solvers/reprojection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+namespace maploc {
+namespace {
+
+Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+}  // namespace
+
+bool PointReprojection(const PoseMatrix& camera_from_map, const PointCorrespondence& point,
+                       Eigen::Vector2d* error, Jacobian26* jacobian) {
+  const Eigen::Vector3d rotated = camera_from_map.rotation * point.position_in_map;
+  const Eigen::Vector3d q = rotated + camera_from_map.translation;
+  if (q.z() <= 0) return false;
+  const double inverse_depth = 1.0 / q.z();
+  const double x = q.x() * inverse_depth;
+  const double y = q.y() * inverse_depth;
+  *error = Eigen::Vector2d(x, y) - point.normalized;
+  if (jacobian != nullptr) {
+    Eigen::Matrix<double, 2, 3> by_q;
+    by_q << inverse_depth, 0, -x * inverse_depth, 0, inverse_depth, -y * inverse_depth;
+    jacobian->leftCols<3>().noalias() = -by_q * Skew(rotated);
+    jacobian->rightCols<3>() = by_q;
+  }
+  return true;
+}
+
+bool LineReprojection(const PoseMatrix& camera_from_map, const LineCorrespondence& line,
+                      Eigen::Vector2d* error, Jacobian26* jacobian) {
+  const Eigen::Vector3d rotated = camera_from_map.rotation * line.segment_in_map.start;
+  const Eigen::Vector3d direction =
+      camera_from_map.rotation * (line.segment_in_map.end - line.segment_in_map.start);
+  const Eigen::Vector3d start = rotated + camera_from_map.translation;
+  if (std::max(start.z(), start.z() + direction.z()) <= 0) return false;
+  const Eigen::Vector3d moment = start.cross(direction);
+  const double norm = moment.head<2>().norm();
+  if (!(norm > 0)) return false;
+  const Eigen::Vector3d seen[2] = {line.normalized.start.homogeneous(),
+                                   line.normalized.end.homogeneous()};
+  for (int i = 0; i < 2; ++i) (*error)(i) = moment.dot(seen[i]) / norm;
+  if (jacobian == nullptr) return true;
+  const Eigen::Matrix3d by_d = -Skew(direction);  // of the moment
+  const Eigen::Matrix3d by_w =
+      -Skew(rotated.cross(direction)) + Skew(camera_from_map.translation) * by_d;
+  for (int i = 0; i < 2; ++i) {
+    const Eigen::Vector3d by_moment =
+        (seen[i] - (*error)(i) / norm * Eigen::Vector3d(moment.x(), moment.y(), 0)) / norm;
+    jacobian->row(i).leftCols<3>() = by_moment.transpose() * by_w;
+    jacobian->row(i).rightCols<3>() = by_moment.transpose() * by_d;
+  }
+  return true;
+}
+
+double ProjectedLength(const PoseMatrix& camera_from_map, const LineSegment3& segment_in_map) {
+  const Eigen::Vector3d a =
+      camera_from_map.rotation * segment_in_map.start + camera_from_map.translation;
+  const Eigen::Vector3d b =
+      camera_from_map.rotation * segment_in_map.end + camera_from_map.translation;
+  if (a.z() <= 0 && b.z() <= 0) return 0.0;
+  if (a.z() <= 0 || b.z() <= 0) return std::numeric_limits<double>::infinity();
+  return (a.head<2>() / a.z() - b.head<2>() / b.z()).norm();
+}
+
+bool IsPointInlier(const PoseMatrix& camera_from_map, const PointCorrespondence& point,
+                   double threshold) {
+  Eigen::Vector2d error;
+  return PointReprojection(camera_from_map, point, &error, nullptr) &&
+         error.squaredNorm() < threshold * threshold;
+}
+
+bool IsLineInlier(const PoseMatrix& camera_from_map, const LineCorrespondence& line,
+                  double threshold, double min_length) {
+  Eigen::Vector2d error;
+  return LineReprojection(camera_from_map, line, &error, nullptr) &&
+         error.cwiseAbs().maxCoeff() < threshold &&
+         ProjectedLength(camera_from_map, line.segment_in_map) >= min_length;
+}
+
+InlierFlags FindInliers(const PoseProblem& problem, const Rigid3& camera_from_map,
+                        double threshold_px) {
+  const PoseMatrix pose(camera_from_map);
+  const double threshold = threshold_px / problem.focal_length_px;
+  const double min_length = kMinProjectedLinePx / problem.focal_length_px;
+  InlierFlags flags;
+  flags.points.reserve(problem.points.size());
+  flags.lines.reserve(problem.lines.size());
+  for (const PointCorrespondence& point : problem.points) {
+    flags.points.push_back(IsPointInlier(pose, point, threshold) ? 1 : 0);
+    flags.count += flags.points.back();
+  }
+  for (const LineCorrespondence& line : problem.lines) {
+    flags.lines.push_back(IsLineInlier(pose, line, threshold, min_length) ? 1 : 0);
+    flags.count += flags.lines.back();
+  }
+  return flags;
+}
+
+}  // namespace maploc

@@ -1,0 +1,65 @@
+// The one equation behind every upright solver (design.md section 5):
+//
+//   n . Rz(yaw) D = 0   <=>   A cos + B sin + C = 0
+//   A = nx Dx + ny Dy,  B = ny Dx - nx Dy,  C = nz Dz
+//
+// n is the normal of a plane through the camera's centre (aligned frame), D a direction in the map
+// that must lie in that plane.
+//
+// With r2 = A^2 + B^2 and w = sqrt(r2 - C^2):
+//   cos = (-A C -+ B w) / r2,   sin = (-B C +- A w) / r2.
+// At most two solutions. Degenerate at w = 0: the plane is perpendicular to the vertical plane
+// through D, where the two solutions meet; at A = B = 0 (vertical D or horizontal plane) the yaw is
+// unobservable. For unit n and D, w = |det(n, Rz D, up)| is the conditioning: the yaw's error is
+// the angular error of n divided by w.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Core>
+
+#include "server/solvers/aligned.h"
+
+namespace maploc {
+
+struct YawEquation {
+  double a = 0.0;
+  double b = 0.0;
+  double c = 0.0;
+};
+
+inline YawEquation MakeYawEquation(const Eigen::Vector3d& n, const Eigen::Vector3d& d) {
+  return {n.x() * d.x() + n.y() * d.y(), n.y() * d.x() - n.x() * d.y(), n.z() * d.z()};
+}
+
+// w^2 before clamping; scales with |n|^2 |D|^2. Needs no yaw, so it can gate before solving.
+inline double YawDiscriminant(const YawEquation& equation) {
+  return equation.a * equation.a + equation.b * equation.b - equation.c * equation.c;
+}
+
+// w in [0, 1]: 0 is degenerate, 1 is best. 0 for a zero n or D.
+inline double YawConditioning(const Eigen::Vector3d& n, const Eigen::Vector3d& d) {
+  const double scale2 = n.squaredNorm() * d.squaredNorm();
+  const double discriminant = YawDiscriminant(MakeYawEquation(n, d));
+  return scale2 > 0 ? std::sqrt(std::max(discriminant, 0.0) / scale2) : 0.0;
+}
+
+// A discriminant negative by rounding or by noise near a double root is taken as zero down to
+// -kDoubleRootTolerance r2; that moves the yaw by at most sqrt(kDoubleRootTolerance) = 1e-5 rad.
+inline constexpr double kDoubleRootTolerance = 1e-10;
+
+// Returns 0 or 2 (a double root twice); 0 where the yaw is unobservable.
+inline int SolveYaw(const YawEquation& equation, Yaw yaws[2]) {
+  const auto [a, b, c] = equation;
+  const double r2 = a * a + b * b;
+  const double discriminant = r2 - c * c;
+  if (!(r2 > 0) || discriminant < -kDoubleRootTolerance * r2) return 0;
+  const double w = std::sqrt(std::max(discriminant, 0.0));
+  const double inverse = 1.0 / r2;
+  yaws[0] = {(-a * c - b * w) * inverse, (-b * c + a * w) * inverse};
+  yaws[1] = {(-a * c + b * w) * inverse, (-b * c - a * w) * inverse};
+  return 2;
+}
+
+}  // namespace maploc
