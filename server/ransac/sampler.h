@@ -1,0 +1,63 @@
+// Draws minimal samples, gates the degenerate ones before solving, solves the rest.
+//
+// 2P: two points. 1P1L: a point and a usable line. mixed: a point, then one of all the remaining
+// points and usable lines. Where vertical lines outnumber usable ones they join the draw of 1P1L's
+// and mixed's second entity; a vertical line asks for a second one (1P2V). P3P: three points, no
+// gravity.
+//
+// Gates (design.md section 5): conditioning w of at least sin 10 degrees; two points at least 10 px
+// apart in the image; a point at least 10 px off the image line. When fewer than half of the draws
+// of a window pass, all gates are halved.
+#pragma once
+
+#include <cstdint>
+
+#include "mapstore/base/random.h"
+#include "mapstore/model/strategy.h"
+#include "server/ransac/prepared_problem.h"
+#include "server/solvers/aligned.h"
+
+namespace maploc {
+
+inline constexpr int kMaxPosesOfSample = 4;
+
+struct Hypotheses {
+  int count = 0;
+  PoseMatrix camera_from_centred[kMaxPosesOfSample];
+};
+
+// Not thread-safe. `prepared` must outlive it.
+class Sampler {
+ public:
+  Sampler(const PreparedProblem& prepared, Strategy strategy);
+
+  // Whether a sample of the strategy exists at all. Nothing else may be called when not.
+  bool CanDraw() const;
+  // One sample: count 0 when the draw was gated out or has no valid solution.
+  Hypotheses Draw(Random& random);
+  // The vertical lines take part.
+  bool draws_vertical_lines() const { return draw_vertical_; }
+
+ private:
+  bool DrawTwoPoints(std::uint32_t first, std::uint32_t second, Hypotheses* out);
+  bool DrawPointAndLine(std::uint32_t point, std::int32_t line, Hypotheses* out);
+  bool DrawPointAndVerticals(std::uint32_t point, std::int32_t line, Random& random,
+                             Hypotheses* out);
+  bool DrawThreePoints(std::uint32_t first, Random& random, Hypotheses* out);
+  // `entity` counts usable lines, then (if they take part) vertical ones.
+  bool DrawPointAndLineEntity(std::uint32_t point, std::uint32_t entity, Random& random,
+                              Hypotheses* out);
+  std::uint32_t LineEntities() const;
+  void AddAligned(const AlignedPose* poses, int count, Hypotheses* out) const;
+  // Counts a draw, and halves the gates when too few pass.
+  void CountDraw(bool passed);
+
+  const PreparedProblem& prepared_;
+  const Strategy strategy_;
+  const bool draw_vertical_;
+  double gate_ = 1.0;  // factor on all gates
+  int window_draws_ = 0;
+  int window_passed_ = 0;
+};
+
+}  // namespace maploc
