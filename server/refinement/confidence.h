@@ -4,13 +4,14 @@
 // round: how probable is it that matches WITHOUT any truth in them agree with some pose this well?
 //
 // A-contrario test (Desolneux, Moisan, Morel 2000; Moisan and Stival 2004): under chance each match
-// agrees with a given pose with probability p, independently; n matches, k agree, s of them are used
-// up by the pose's own freedom. Number of false alarms
+// agrees with a given pose with probability p, independently; n matches, k agree, s of them are
+// used up by the pose's own freedom. Number of false alarms
 //     NFA = tests * P(Binomial(n - s, p) >= k - s),
 // tests = 2 poses an iteration, times a constant for local optimization. Points and lines have
 // their own p; the tail is that of the sum. p is the larger of
 //   * the inlier disc's share of the area that the matched features cover, and
-//   * the share of WRONG pairs (feature i, landmark j != i) that agree under this very pose: it sees
+//   * the share of WRONG pairs (feature i, landmark j != i) that agree under this very pose: it
+//   sees
 //     repeated patterns, clusters and cameras so far away that the whole map is a dot.
 // Features closer together than the threshold count once.
 #pragma once

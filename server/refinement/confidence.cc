@@ -1,0 +1,119 @@
+#include "server/refinement/confidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+#include "server/refinement/chance.h"
+
+namespace maploc {
+namespace {
+
+// Features that the pose's six degrees of freedom explain by themselves.
+constexpr int kFeaturesOfPose = 3;
+// Poses tried an iteration: two solutions, and what local optimization tries around the best.
+constexpr double kPosesPerIteration = 20.0;
+constexpr int kMinIterations = 100;
+// From false alarms to confidence, 1 / (1 + odds NFA): the assumed odds of a wrong pose per false
+// alarm. 0.99 needs an NFA of 1e-6.
+constexpr double kOddsPerFalseAlarm = 1e4;
+// A pose that its inliers do not determine is not to be trusted, however unlikely they are:
+// standard deviations above these, the position's as a share of the inliers' median depth.
+constexpr double kMaxRotationSigmaRad = 5.0 * std::numbers::pi / 180.0;
+constexpr double kMaxPositionSigmaShare = 0.1;
+constexpr double kUndeterminedConfidence = 0.5;
+constexpr double kChiSquare2AtOneInTenThousand = 18.42068;
+constexpr double kLeastGravitySigmaRad = 0.1 * std::numbers::pi / 180.0;
+
+// The share of the image that one inlier's disc or strip covers.
+struct ChanceRates {
+  double point = 1.0;
+  double line = 1.0;
+};
+
+ChanceRates RatesFromAreas(const PoseProblem& problem, double threshold, double image_area) {
+  std::vector<Eigen::Vector2d> features;
+  for (const PointCorrespondence& point : problem.points) features.push_back(point.normalized);
+  const double spread = SpreadArea(features);
+  const double point_area = features.size() >= 3 ? std::min(spread, image_area) : image_area;
+  ChanceRates rates;
+  rates.point =
+      std::min(1.0, std::numbers::pi * threshold * threshold / std::max(point_area, 1e-30));
+  // Parallel lines, as a building's are: only the position across counts.
+  rates.line = std::min(1.0, 2.0 * threshold / std::sqrt(image_area));
+  return rates;
+}
+
+double MedianInlierDepth(const PoseProblem& problem, const RefinedPose& pose) {
+  std::vector<double> depths;
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    if (pose.point_inliers[i] == 0) continue;
+    depths.push_back((pose.camera_from_map * problem.points[i].position_in_map).z());
+  }
+  for (std::size_t i = 0; i < problem.lines.size(); ++i) {
+    if (pose.line_inliers[i] == 0) continue;
+    depths.push_back((pose.camera_from_map * problem.lines[i].segment_in_map.start).z());
+  }
+  if (depths.empty()) return 0.0;
+  std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
+  return depths[depths.size() / 2];
+}
+
+double LargestSigma(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(eigen.eigenvalues().maxCoeff(), 0.0));
+}
+
+bool IsDetermined(const PoseProblem& problem, const RefinedPose& pose) {
+  if (!pose.covariance.allFinite()) return false;
+  return LargestSigma(pose.covariance.bottomRightCorner<3, 3>()) <= kMaxRotationSigmaRad &&
+         LargestSigma(pose.covariance.topLeftCorner<3, 3>()) <=
+             kMaxPositionSigmaShare * MedianInlierDepth(problem, pose);
+}
+
+}  // namespace
+
+double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pose,
+                              const ConfidenceOptions& options) {
+  const double focal = problem.focal_length_px;
+  const double threshold = options.max_reprojection_error_px / focal;
+  const double image_area = options.image_width_px / focal * (options.image_height_px / focal);
+  const PoseMatrix matrix(pose.camera_from_map);
+  const Agreement points = PointAgreement(problem.points, pose.point_inliers, matrix, threshold);
+  const Agreement lines = LineAgreement(problem.lines, pose.line_inliers, matrix, threshold,
+                                        kMinProjectedLinePx / focal);
+  const ChanceRates rates = RatesFromAreas(problem, threshold, image_area);
+  const int used_points = std::min(kFeaturesOfPose, points.distinct_inliers);
+  const int used_lines = std::min(kFeaturesOfPose - used_points, lines.distinct_inliers);
+  const double log_points =
+      LogBinomialTail(points.matches - used_points, points.distinct_inliers - used_points,
+                      std::max(rates.point, points.wrong_pair_rate));
+  const double log_lines =
+      LogBinomialTail(lines.matches - used_lines, lines.distinct_inliers - used_lines,
+                      std::max(rates.line, lines.wrong_pair_rate));
+  const double tests = kPosesPerIteration * std::max(options.iterations, kMinIterations);
+  return std::log10(tests) + CombineLogPValues(log_points, log_lines);
+}
+
+double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
+                      const ConfidenceOptions& options) {
+  if (!pose.converged) return 0.0;
+  const double log_alarms = LogNumberOfFalseAlarms(problem, pose, options);
+  const double confidence = 1.0 / (1.0 + kOddsPerFalseAlarm * std::pow(10.0, log_alarms));
+  return IsDetermined(problem, pose) ? confidence : std::min(confidence, kUndeterminedConfidence);
+}
+
+bool GravityConsistent(double gravity_disagreement_rad, double gravity_sigma_rad,
+                       const PoseCovariance& covariance) {
+  const double sigma = std::max(gravity_sigma_rad, kLeastGravitySigmaRad);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> tilt(covariance.block<2, 2>(3, 3),
+                                                            Eigen::EigenvaluesOnly);
+  const double variance = sigma * sigma + std::max(tilt.eigenvalues().maxCoeff(), 0.0);
+  return gravity_disagreement_rad * gravity_disagreement_rad <=
+         kChiSquare2AtOneInTenThousand * variance;
+}
+
+}  // namespace maploc

@@ -1,0 +1,37 @@
+// What the inliers and gravity leave uncertain.
+#pragma once
+
+#include "mapstore/model/localization.h"
+#include "mapstore/model/matches.h"
+#include "server/solvers/reprojection.h"
+
+namespace maploc {
+
+// A stated gravity sigma below this counts as this: no accelerometer is exact, and a covariance of
+// zero in roll and pitch is a lie.
+inline constexpr double kMinGravitySigmaRad = 1e-4;
+
+// Information matrix of (w, d), the left perturbation of reprojection.h: the sum of J^T J / sigma^2
+// over the flagged features, `sigma` in the plane z = 1.
+Eigen::Matrix<double, 6, 6> PoseInformation(const PoseProblem& problem,
+                                            const PoseMatrix& camera_from_map,
+                                            const InlierFlags& inliers, double sigma);
+
+// Covariance of (w, d) when gravity is one more measurement of `gravity_sigma_rad`.
+Eigen::Matrix<double, 6, 6> SoftGravityCovariance(const Eigen::Matrix<double, 6, 6>& information,
+                                                  const Eigen::Vector3d& gravity_in_camera,
+                                                  double gravity_sigma_rad);
+// ... when gravity is held: yaw and translation from the features, and gravity's own error
+// propagated into all six.
+Eigen::Matrix<double, 6, 6> HeldGravityCovariance(const Eigen::Matrix<double, 6, 6>& information,
+                                                  const Eigen::Vector3d& gravity_in_camera,
+                                                  double gravity_sigma_rad);
+// ... when gravity is forgotten.
+Eigen::Matrix<double, 6, 6> FreeCovariance(const Eigen::Matrix<double, 6, 6>& information);
+
+// From (w, d) of camera_from_map to map_from_camera in the order and frame of PoseCovariance:
+// centre c = -R^T t moves by -R^T d - R^T [t]x w, its rotation vector in map axes by -R^T w.
+PoseCovariance CovarianceOfMapFromCamera(const PoseMatrix& camera_from_map,
+                                         const Eigen::Matrix<double, 6, 6>& covariance);
+
+}  // namespace maploc
