@@ -1,0 +1,172 @@
+#include "mapstore/store/codec.h"
+
+#include <bit>
+#include <string>
+#include <type_traits>
+
+#include "mapstore/base/random.h"
+
+namespace maploc {
+namespace {
+
+Status Damaged(std::string_view field, const std::string& message) {
+  return Status(StatusCode::kDataLoss, "DAMAGED_SEGMENT", std::string(field) + ": " + message);
+}
+
+template <typename T>
+using BitsOf = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
+
+template <typename T>
+void Append(T value, Blob& blob) {
+  const auto bits = std::bit_cast<BitsOf<T>>(value);
+  for (std::size_t byte = 0; byte < sizeof(T); ++byte) {
+    blob.push_back(static_cast<std::uint8_t>(bits >> (8 * byte)));
+  }
+}
+
+template <typename T>
+T Read(const std::uint8_t* bytes) {
+  BitsOf<T> bits = 0;
+  for (std::size_t byte = 0; byte < sizeof(T); ++byte) {
+    bits |= static_cast<BitsOf<T>>(bytes[byte]) << (8 * byte);
+  }
+  return std::bit_cast<T>(bits);
+}
+
+template <typename T>
+Blob Encode(std::span<const T> values) {
+  Blob blob;
+  blob.reserve(values.size() * sizeof(T));
+  for (const T value : values) Append(value, blob);
+  return blob;
+}
+
+void AppendVector(const Eigen::Vector3d& vector, Blob& blob) {
+  for (int axis = 0; axis < 3; ++axis) Append(vector[axis], blob);
+}
+
+Eigen::Vector3d ReadVector(const std::uint8_t* bytes) {
+  return {Read<double>(bytes), Read<double>(bytes + 8), Read<double>(bytes + 16)};
+}
+
+// Before anything is allocated: the bytes are there.
+Status CheckLength(std::string_view field, std::size_t bytes, std::int64_t count,
+                   std::size_t width) {
+  if (count >= 0 && bytes % width == 0 && bytes / width == static_cast<std::uint64_t>(count)) {
+    return Status::Ok();
+  }
+  return Damaged(field, std::to_string(bytes) + " bytes do not hold " + std::to_string(count) +
+                            " entries of " + std::to_string(width) + " bytes");
+}
+
+template <typename T>
+Result<std::vector<T>> Decode(std::span<const std::uint8_t> bytes, std::int64_t count,
+                              std::string_view field) {
+  MAPLOC_RETURN_IF_ERROR(CheckLength(field, bytes.size(), count, sizeof(T)));
+  std::vector<T> values(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = Read<T>(bytes.data() + i * sizeof(T));
+  }
+  return values;
+}
+
+Result<Descriptors> DecodeDescriptors(const FeatureBlobs& blobs, const DescriptorKind& kind,
+                                      std::string_view field) {
+  if (kind.bytes > 0) {
+    MAPLOC_RETURN_IF_ERROR(CheckLength(field, blobs.descriptors.size(), blobs.descriptor_count,
+                                       static_cast<std::size_t>(kind.bytes)));
+  } else if (!blobs.descriptors.empty() || blobs.descriptor_count != 0) {
+    return Damaged(field, "the map has no such descriptors");
+  }
+  return Descriptors{kind, blobs.descriptors};
+}
+
+Status CheckChecksum(const FeatureBlobs& blobs, std::string_view field) {
+  if (ChecksumOf(blobs) == blobs.checksum) return Status::Ok();
+  return Damaged(field, "the checksum does not fit the content");
+}
+
+}  // namespace
+
+std::uint64_t ChecksumOf(const FeatureBlobs& blobs) {
+  std::uint64_t hash = HashBytes({});
+  for (const Blob* blob : {&blobs.ids, &blobs.geometry, &blobs.owners, &blobs.descriptors}) {
+    hash = HashBytes({reinterpret_cast<const char*>(blob->data()), blob->size()}, hash);
+  }
+  return hash;
+}
+
+Blob EncodePositions(std::span<const Eigen::Vector3d> positions) {
+  Blob blob;
+  blob.reserve(positions.size() * 24);
+  for (const Eigen::Vector3d& position : positions) AppendVector(position, blob);
+  return blob;
+}
+
+Result<std::vector<Eigen::Vector3d>> DecodePositions(std::span<const std::uint8_t> bytes,
+                                                     std::int64_t count, std::string_view field) {
+  MAPLOC_RETURN_IF_ERROR(CheckLength(field, bytes.size(), count, 24));
+  std::vector<Eigen::Vector3d> positions(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = ReadVector(&bytes[24 * i]);
+  return positions;
+}
+
+FeatureBlobs EncodePoints(const PointLandmarks& points) {
+  FeatureBlobs blobs;
+  blobs.count = points.size();
+  blobs.descriptor_count = static_cast<std::int64_t>(points.descriptor_landmark.size());
+  blobs.ids = Encode<LandmarkId>(points.ids);
+  blobs.geometry = EncodePositions(points.positions_in_map);
+  blobs.owners = Encode<std::int32_t>(points.descriptor_landmark);
+  blobs.descriptors = points.descriptors.bytes;
+  blobs.checksum = ChecksumOf(blobs);
+  return blobs;
+}
+
+FeatureBlobs EncodeLines(const LineLandmarks& lines) {
+  FeatureBlobs blobs;
+  blobs.count = lines.size();
+  blobs.descriptor_count = static_cast<std::int64_t>(lines.descriptor_landmark.size());
+  blobs.ids = Encode<LandmarkId>(lines.ids);
+  blobs.geometry.reserve(lines.segments_in_map.size() * 48);
+  for (const LineSegment3& segment : lines.segments_in_map) {
+    AppendVector(segment.start, blobs.geometry);
+    AppendVector(segment.end, blobs.geometry);
+  }
+  blobs.owners = Encode<std::int32_t>(lines.descriptor_landmark);
+  blobs.descriptors = lines.descriptors.bytes;
+  blobs.checksum = ChecksumOf(blobs);
+  return blobs;
+}
+
+Result<PointLandmarks> DecodePoints(const FeatureBlobs& blobs, const DescriptorKind& kind) {
+  PointLandmarks points;
+  MAPLOC_ASSIGN_OR_RETURN(points.ids, Decode<LandmarkId>(blobs.ids, blobs.count, "points.ids"));
+  MAPLOC_ASSIGN_OR_RETURN(points.positions_in_map,
+                          DecodePositions(blobs.geometry, blobs.count, "points.positions"));
+  MAPLOC_ASSIGN_OR_RETURN(
+      points.descriptor_landmark,
+      Decode<std::int32_t>(blobs.owners, blobs.descriptor_count, "points.descriptor_landmark"));
+  MAPLOC_ASSIGN_OR_RETURN(points.descriptors, DecodeDescriptors(blobs, kind, "points.descriptors"));
+  MAPLOC_RETURN_IF_ERROR(CheckChecksum(blobs, "points"));
+  return points;
+}
+
+Result<LineLandmarks> DecodeLines(const FeatureBlobs& blobs, const DescriptorKind& kind) {
+  LineLandmarks lines;
+  MAPLOC_ASSIGN_OR_RETURN(lines.ids, Decode<LandmarkId>(blobs.ids, blobs.count, "lines.ids"));
+  MAPLOC_RETURN_IF_ERROR(CheckLength("lines.segments", blobs.geometry.size(), blobs.count, 48));
+  lines.segments_in_map.resize(static_cast<std::size_t>(blobs.count));
+  for (std::size_t i = 0; i < lines.segments_in_map.size(); ++i) {
+    const std::uint8_t* bytes = blobs.geometry.data() + 48 * i;
+    lines.segments_in_map[i] = {ReadVector(bytes), ReadVector(bytes + 24)};
+  }
+  MAPLOC_ASSIGN_OR_RETURN(
+      lines.descriptor_landmark,
+      Decode<std::int32_t>(blobs.owners, blobs.descriptor_count, "lines.descriptor_landmark"));
+  MAPLOC_ASSIGN_OR_RETURN(lines.descriptors, DecodeDescriptors(blobs, kind, "lines.descriptors"));
+  MAPLOC_RETURN_IF_ERROR(CheckChecksum(blobs, "lines"));
+  return lines;
+}
+
+}  // namespace maploc

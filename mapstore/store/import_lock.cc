@@ -1,0 +1,57 @@
+#include "mapstore/store/import_lock.h"
+
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace maploc {
+namespace {
+
+std::string LockPath(const std::string& store_path) { return store_path + "-imports"; }
+
+// The byte at `import_id`. An open file description's lock, not a process's: two imports in one
+// process see each other, and closing some other descriptor of the file does not let it go.
+struct flock ByteLock(std::int64_t import_id) {
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  lock.l_start = import_id;
+  lock.l_len = 1;
+  return lock;
+}
+
+Status Failed(const std::string& path) {
+  return Status(StatusCode::kUnavailable, "IMPORT_LOCK",
+                path + ": cannot be locked (" + std::strerror(errno) + "); check its permissions");
+}
+
+}  // namespace
+
+Result<ImportLock> ImportLock::Acquire(const std::string& store_path, std::int64_t import_id) {
+  const std::string path = LockPath(store_path);
+  ImportLock lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+  if (lock.file_ < 0) return Failed(path);
+  struct flock byte = ByteLock(import_id);
+  if (fcntl(lock.file_, F_OFD_SETLK, &byte) != 0) return Failed(path);
+  return lock;
+}
+
+Result<bool> ImportLock::IsHeld(const std::string& store_path, std::int64_t import_id) {
+  const std::string path = LockPath(store_path);
+  const ImportLock file(open(path.c_str(), O_RDWR | O_CLOEXEC));
+  if (file.file_ < 0) {
+    if (errno == ENOENT) return false;
+    return Failed(path);
+  }
+  struct flock byte = ByteLock(import_id);
+  if (fcntl(file.file_, F_OFD_GETLK, &byte) != 0) return Failed(path);
+  return byte.l_type != F_UNLCK;
+}
+
+ImportLock::~ImportLock() {
+  if (file_ >= 0) close(file_);
+}
+
+}  // namespace maploc

@@ -1,0 +1,161 @@
+#include "mapstore/store/schema.h"
+
+#include <array>
+
+namespace maploc {
+namespace {
+
+constexpr std::string_view kVersion1 = R"sql(
+CREATE TABLE meta (
+  name TEXT PRIMARY KEY,
+  value INTEGER NOT NULL
+) STRICT, WITHOUT ROWID;
+INSERT INTO meta VALUES ('change_counter', 0);
+
+CREATE TABLE map_versions (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  name TEXT NOT NULL,
+  version INTEGER NOT NULL CHECK (version >= 1),
+  state INTEGER NOT NULL CHECK (state IN (0, 1)),
+  metric INTEGER NOT NULL CHECK (metric IN (0, 1)),
+  scale REAL NOT NULL CHECK (scale > 0),
+  rotation_x REAL NOT NULL, rotation_y REAL NOT NULL,
+  rotation_z REAL NOT NULL, rotation_w REAL NOT NULL,
+  translation_x REAL NOT NULL, translation_y REAL NOT NULL, translation_z REAL NOT NULL,
+  point_kind TEXT NOT NULL, point_kind_bytes INTEGER NOT NULL CHECK (point_kind_bytes BETWEEN 0 AND 512),
+  point_kind_metric INTEGER NOT NULL CHECK (point_kind_metric IN (1, 2)),
+  line_kind TEXT NOT NULL, line_kind_bytes INTEGER NOT NULL CHECK (line_kind_bytes BETWEEN 0 AND 512),
+  line_kind_metric INTEGER NOT NULL CHECK (line_kind_metric IN (1, 2)),
+  created_unix_ns INTEGER NOT NULL,
+  segment_count INTEGER NOT NULL DEFAULT 0,
+  point_count INTEGER NOT NULL DEFAULT 0,
+  line_count INTEGER NOT NULL DEFAULT 0,
+  usable_line_count INTEGER NOT NULL DEFAULT 0,
+  UNIQUE (name, version)
+) STRICT;
+
+CREATE TABLE segments (
+  map INTEGER NOT NULL REFERENCES map_versions (id),
+  segment INTEGER NOT NULL CHECK (segment >= 0),
+  usable_line_count INTEGER NOT NULL,
+  path_count INTEGER NOT NULL,
+  path BLOB NOT NULL,
+  PRIMARY KEY (map, segment)
+) STRICT;
+
+CREATE TABLE segment_features (
+  map INTEGER NOT NULL,
+  segment INTEGER NOT NULL,
+  type INTEGER NOT NULL CHECK (type IN (1, 2)),
+  landmark_count INTEGER NOT NULL CHECK (landmark_count >= 0),
+  descriptor_count INTEGER NOT NULL CHECK (descriptor_count >= 0),
+  checksum INTEGER NOT NULL,
+  ids BLOB NOT NULL,
+  geometry BLOB NOT NULL,
+  owners BLOB NOT NULL,
+  descriptors BLOB NOT NULL,
+  PRIMARY KEY (map, segment, type),
+  FOREIGN KEY (map, segment) REFERENCES segments (map, segment)
+) STRICT;
+
+CREATE TABLE sessions (
+  id TEXT PRIMARY KEY,
+  map INTEGER NOT NULL REFERENCES map_versions (id),
+  robot TEXT NOT NULL,
+  start_unix_ns INTEGER NOT NULL,
+  end_unix_ns INTEGER NOT NULL,
+  end INTEGER NOT NULL CHECK (end IN (0, 1, 2)),
+  revoked INTEGER NOT NULL CHECK (revoked IN (0, 1)),
+  queries INTEGER NOT NULL DEFAULT 0,
+  localized INTEGER NOT NULL DEFAULT 0
+) STRICT, WITHOUT ROWID;
+CREATE INDEX sessions_by_map ON sessions (map);
+
+CREATE TABLE session_labels (
+  session TEXT NOT NULL REFERENCES sessions (id),
+  name TEXT NOT NULL,
+  value TEXT NOT NULL,
+  PRIMARY KEY (session, name)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE observations (
+  session TEXT NOT NULL REFERENCES sessions (id),
+  sequence INTEGER NOT NULL CHECK (sequence >= 1),
+  segment INTEGER NOT NULL CHECK (segment >= -1),
+  outcome INTEGER NOT NULL CHECK (outcome BETWEEN 1 AND 6),
+  point_matches INTEGER NOT NULL, point_inliers INTEGER NOT NULL,
+  usable_line_matches INTEGER NOT NULL, usable_line_inliers INTEGER NOT NULL,
+  vertical_line_matches INTEGER NOT NULL, vertical_line_inliers INTEGER NOT NULL,
+  strategy INTEGER NOT NULL CHECK (strategy BETWEEN 1 AND 4),
+  fell_back INTEGER NOT NULL CHECK (fell_back IN (0, 1)),
+  iterations INTEGER NOT NULL,
+  gravity_disagreement_rad REAL NOT NULL,
+  confidence REAL NOT NULL,
+  total_ms REAL NOT NULL,
+  time_unix_ns INTEGER NOT NULL,
+  PRIMARY KEY (session, sequence)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE segment_sessions (
+  map INTEGER NOT NULL,
+  segment INTEGER NOT NULL,
+  session TEXT NOT NULL REFERENCES sessions (id),
+  queries INTEGER NOT NULL, localized INTEGER NOT NULL,
+  point_matches INTEGER NOT NULL, point_inliers INTEGER NOT NULL,
+  usable_line_matches INTEGER NOT NULL, usable_line_inliers INTEGER NOT NULL,
+  vertical_line_matches INTEGER NOT NULL, vertical_line_inliers INTEGER NOT NULL,
+  median_point_matches REAL NOT NULL,
+  median_usable_line_matches REAL NOT NULL,
+  median_vertical_line_matches REAL NOT NULL,
+  strategy_before INTEGER NOT NULL CHECK (strategy_before BETWEEN 1 AND 3),
+  strategy_after INTEGER NOT NULL CHECK (strategy_after BETWEEN 1 AND 3),
+  PRIMARY KEY (map, segment, session),
+  FOREIGN KEY (map, segment) REFERENCES segments (map, segment)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX segment_sessions_by_session ON segment_sessions (session, segment);
+
+CREATE TABLE selector_options (
+  id INTEGER PRIMARY KEY,
+  half_life_sessions REAL NOT NULL CHECK (half_life_sessions > 0),
+  change_discount REAL NOT NULL,
+  independent_matches_per_query REAL NOT NULL,
+  min_localized_queries INTEGER NOT NULL,
+  prior_matches REAL NOT NULL,
+  prior_inlier_ratio REAL NOT NULL,
+  hysteresis REAL NOT NULL,
+  cost_1p1l REAL NOT NULL,
+  cost_2p REAL NOT NULL,
+  cost_mixed REAL NOT NULL
+) STRICT;
+
+CREATE TABLE decisions (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  map INTEGER NOT NULL,
+  segment INTEGER NOT NULL,
+  time_unix_ns INTEGER NOT NULL,
+  cause TEXT NOT NULL,
+  options INTEGER NOT NULL REFERENCES selector_options (id),
+  pinned INTEGER CHECK (pinned BETWEEN 1 AND 3),
+  strategy INTEGER NOT NULL CHECK (strategy BETWEEN 1 AND 3),
+  source INTEGER NOT NULL CHECK (source BETWEEN 1 AND 3),
+  reason TEXT NOT NULL,
+  predicted_success REAL NOT NULL,
+  sessions INTEGER NOT NULL, queries INTEGER NOT NULL, localized INTEGER NOT NULL,
+  point_matches REAL NOT NULL, point_inliers REAL NOT NULL,
+  usable_line_matches REAL NOT NULL, usable_line_inliers REAL NOT NULL,
+  vertical_line_matches REAL NOT NULL, vertical_line_inliers REAL NOT NULL,
+  typical_point_matches REAL NOT NULL,
+  typical_usable_line_matches REAL NOT NULL,
+  typical_vertical_line_matches REAL NOT NULL,
+  FOREIGN KEY (map, segment) REFERENCES segments (map, segment)
+) STRICT;
+CREATE INDEX decisions_by_segment ON decisions (map, segment, id);
+)sql";
+
+constexpr std::array kMigrations = {kVersion1};
+
+}  // namespace
+
+std::span<const std::string_view> StoreMigrations() { return kMigrations; }
+
+}  // namespace maploc

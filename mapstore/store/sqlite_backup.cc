@@ -1,0 +1,70 @@
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include "mapstore/store/sqlite_database.h"
+#include "mapstore/store/sqlite_file.h"
+#include "mapstore/store/sqlite_store.h"
+
+namespace maploc {
+namespace {
+
+// All pages in one step: of one state, and without keeping writers of the source waiting, because
+// it is in write-ahead logging.
+Status CopyPages(SqliteDatabase& from, SqliteDatabase& to) {
+  sqlite3_backup* backup = sqlite3_backup_init(to.handle(), "main", from.handle(), "main");
+  if (backup == nullptr) return to.ErrorOf(sqlite3_errcode(to.handle()));
+  const int result = sqlite3_backup_step(backup, -1);
+  sqlite3_backup_finish(backup);
+  return result == SQLITE_DONE ? Status::Ok() : to.ErrorOf(result);
+}
+
+Status NotWritten(const std::string& to) {
+  return Status(StatusCode::kUnavailable, "BACKUP_NOT_WRITTEN",
+                to + ": cannot be written (" + std::strerror(errno) + "); check the folder");
+}
+
+// A link fails where the name exists by now; a rename would replace what is there.
+Status Publish(const std::string& partial, const std::string& to) {
+  if (link(partial.c_str(), to.c_str()) != 0) return NotWritten(to);
+  std::filesystem::path folder = std::filesystem::path(to).parent_path();
+  if (folder.empty()) folder = ".";
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return NotWritten(to);
+  const int synced = fsync(descriptor);
+  close(descriptor);
+  return synced == 0 ? Status::Ok() : NotWritten(to);
+}
+
+Status CopyToNewFile(SqliteDatabase& source, const std::string& partial, int busy_timeout_ms) {
+  MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase target,
+                          SqliteDatabase::Open(partial, SqliteAccess::kCreate, busy_timeout_ms));
+  return CopyPages(source, target);
+}
+
+}  // namespace
+
+Status BackupSqliteStore(const std::string& from, const std::string& to) {
+  SqliteStoreOptions options;
+  options.create = false;
+  MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase source, OpenStoreFile(from, options));
+  std::error_code error;
+  if (std::filesystem::exists(to, error)) {
+    return Status(StatusCode::kAlreadyExists, "BACKUP_EXISTS",
+                  to + ": exists already; choose another name or remove it");
+  }
+  const std::string partial = to + ".partial-" + std::to_string(getpid());
+  Status status = CopyToNewFile(source, partial, options.busy_timeout_ms);
+  if (status.ok()) status = Publish(partial, to);
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+    std::remove((partial + suffix).c_str());
+  }
+  return status;
+}
+
+}  // namespace maploc

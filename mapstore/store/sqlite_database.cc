@@ -1,0 +1,185 @@
+#include "mapstore/store/sqlite_database.h"
+
+#include <sqlite3.h>
+
+namespace maploc {
+namespace {
+
+int OpenFlags(SqliteAccess access) {
+  // Connections are guarded by their owners, so SQLite needs no mutex of its own. Readers open for
+  // writing too, because only then can they take part in the write-ahead log's shared memory;
+  // query_only keeps them from writing.
+  const int flags = SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_READWRITE;
+  return access == SqliteAccess::kCreate ? flags | SQLITE_OPEN_CREATE : flags;
+}
+
+}  // namespace
+
+void SqliteDatabase::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
+
+Result<SqliteDatabase> SqliteDatabase::Open(const std::string& path, SqliteAccess access,
+                                            int busy_timeout_ms) {
+  sqlite3* handle = nullptr;
+  const int result = sqlite3_open_v2(path.c_str(), &handle, OpenFlags(access), nullptr);
+  SqliteDatabase database(path, handle);
+  if (result != SQLITE_OK) return database.ErrorOf(result);
+  sqlite3_extended_result_codes(handle, 1);
+  sqlite3_busy_timeout(handle, busy_timeout_ms);
+  MAPLOC_RETURN_IF_ERROR(
+      database.Execute("PRAGMA foreign_keys = ON; PRAGMA synchronous = FULL; "
+                       "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;"));
+  if (access == SqliteAccess::kRead) {
+    MAPLOC_RETURN_IF_ERROR(database.Execute("PRAGMA query_only = ON"));
+  }
+  return database;
+}
+
+Status SqliteDatabase::Execute(const std::string& sql) {
+  const int result = sqlite3_exec(handle(), sql.c_str(), nullptr, nullptr, nullptr);
+  return result == SQLITE_OK ? Status::Ok() : ErrorOf(result);
+}
+
+std::int64_t SqliteDatabase::LastInsertId() const { return sqlite3_last_insert_rowid(handle()); }
+
+std::int64_t SqliteDatabase::ChangedRows() const { return sqlite3_changes64(handle()); }
+
+Status SqliteDatabase::ErrorOf(int result_code) const {
+  const std::string what = handle_ ? sqlite3_errmsg(handle()) : sqlite3_errstr(result_code);
+  const std::string where = path_ + ": ";
+  switch (result_code & 0xff) {
+    case SQLITE_NOTADB:
+      return InvalidFile(path_, "is not a maploc store (not an SQLite database)");
+    case SQLITE_CORRUPT:
+      return Status(
+          StatusCode::kDataLoss, "DAMAGED_STORE",
+          where + "the store is truncated or damaged (" + what + "); restore it from a backup");
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return Status(StatusCode::kUnavailable, "STORE_BUSY",
+                    where + "another process holds the store; try again");
+    case SQLITE_FULL:
+      return ResourceExhausted("DISK_FULL", where + "the disk is full; free some space");
+    case SQLITE_CANTOPEN:
+    case SQLITE_PERM:
+    case SQLITE_AUTH:
+    case SQLITE_READONLY:
+      return Status(StatusCode::kUnavailable, "STORE_NOT_WRITABLE",
+                    where + "cannot be opened for writing (" + what +
+                        "); check that the folder exists and its permissions");
+    case SQLITE_IOERR:
+      return Status(StatusCode::kUnavailable, "STORE_IO",
+                    where + "input or output failed (" + what + "); check the disk");
+    default:
+      return Internal(where + what);
+  }
+}
+
+void SqliteStatement::Finalize::operator()(sqlite3_stmt* statement) const {
+  sqlite3_finalize(statement);
+}
+
+SqliteStatement::SqliteStatement(SqliteDatabase& database, std::string_view sql)
+    : database_(database) {
+  sqlite3_stmt* statement = nullptr;
+  result_code_ = sqlite3_prepare_v2(database.handle(), sql.data(), static_cast<int>(sql.size()),
+                                    &statement, nullptr);
+  statement_.reset(statement);
+}
+
+void SqliteStatement::Reset() { sqlite3_reset(statement_.get()); }
+
+void SqliteStatement::Keep(int result_code) {
+  if (result_code_ == SQLITE_OK) result_code_ = result_code;
+}
+
+void SqliteStatement::BindOne(int index, std::int64_t value) {
+  Keep(sqlite3_bind_int64(statement_.get(), index, value));
+}
+
+void SqliteStatement::BindOne(int index, double value) {
+  Keep(sqlite3_bind_double(statement_.get(), index, value));
+}
+
+void SqliteStatement::BindOne(int index, std::string_view text) {
+  Keep(sqlite3_bind_text64(statement_.get(), index, text.data(), text.size(), SQLITE_TRANSIENT,
+                           SQLITE_UTF8));
+}
+
+void SqliteStatement::BindOne(int index, const std::vector<std::uint8_t>& bytes) {
+  // An empty vector's data may be null, which SQLite would take for NULL.
+  const void* data = bytes.empty() ? static_cast<const void*>("") : bytes.data();
+  Keep(sqlite3_bind_blob64(statement_.get(), index, data, bytes.size(), SQLITE_STATIC));
+}
+
+void SqliteStatement::BindOne(int index, std::optional<std::int64_t> value) {
+  if (value) {
+    BindOne(index, *value);
+  } else {
+    Keep(sqlite3_bind_null(statement_.get(), index));
+  }
+}
+
+Result<bool> SqliteStatement::Step() {
+  if (result_code_ != SQLITE_OK) return database_.ErrorOf(result_code_);
+  const int result = sqlite3_step(statement_.get());
+  if (result == SQLITE_ROW) return true;
+  if (result == SQLITE_DONE) return false;
+  return database_.ErrorOf(result);
+}
+
+Status SqliteStatement::Run() {
+  MAPLOC_ASSIGN_OR_RETURN(const bool row, Step());
+  static_cast<void>(row);
+  Reset();
+  return Status::Ok();
+}
+
+bool SqliteStatement::IsNull(int column) const {
+  return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
+}
+
+std::int64_t SqliteStatement::Int(int column) const {
+  return sqlite3_column_int64(statement_.get(), column);
+}
+
+double SqliteStatement::Real(int column) const {
+  return sqlite3_column_double(statement_.get(), column);
+}
+
+std::string SqliteStatement::Text(int column) const {
+  const std::span<const std::uint8_t> bytes = Bytes(column);
+  return std::string(bytes.begin(), bytes.end());
+}
+
+std::span<const std::uint8_t> SqliteStatement::Bytes(int column) const {
+  const auto* data =
+      static_cast<const std::uint8_t*>(sqlite3_column_blob(statement_.get(), column));
+  return {data, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
+}
+
+std::vector<std::uint8_t> SqliteStatement::Blob(int column) const {
+  const std::span<const std::uint8_t> bytes = Bytes(column);
+  return {bytes.begin(), bytes.end()};
+}
+
+Result<SqliteTransaction> SqliteTransaction::Begin(SqliteDatabase& database, Kind kind) {
+  MAPLOC_RETURN_IF_ERROR(
+      database.Execute(kind == Kind::kWrite ? "BEGIN IMMEDIATE" : "BEGIN DEFERRED"));
+  return SqliteTransaction(database);
+}
+
+SqliteTransaction::SqliteTransaction(SqliteTransaction&& other) noexcept
+    : database_(std::exchange(other.database_, nullptr)) {}
+
+SqliteTransaction::~SqliteTransaction() {
+  // A failure here means that SQLite has rolled back by itself.
+  if (database_ != nullptr) static_cast<void>(database_->Execute("ROLLBACK"));
+}
+
+Status SqliteTransaction::Commit() {
+  MAPLOC_RETURN_IF_ERROR(database_->Execute("COMMIT"));
+  database_ = nullptr;
+  return Status::Ok();
+}
+
+}  // namespace maploc

@@ -1,0 +1,117 @@
+// SQLite behind values of ours: a connection, a prepared statement, a transaction that rolls back
+// unless it was committed. Nothing here is thread-safe; whoever shares a connection guards it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mapstore/base/status.h"
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace maploc {
+
+enum class SqliteAccess { kRead, kWrite, kCreate };
+
+class SqliteDatabase {
+ public:
+  // kRead refuses every write. DATA_LOSS where the file is damaged, UNAVAILABLE where it cannot be
+  // opened; messages name the file.
+  static Result<SqliteDatabase> Open(const std::string& path, SqliteAccess access,
+                                     int busy_timeout_ms);
+
+  const std::string& path() const { return path_; }
+  sqlite3* handle() const { return handle_.get(); }
+  // One or more statements without results.
+  Status Execute(const std::string& sql);
+  std::int64_t LastInsertId() const;
+  // Rows that the last INSERT, UPDATE or DELETE touched.
+  std::int64_t ChangedRows() const;
+  // What SQLite's result code means here. REQUIRES: it is a failure.
+  Status ErrorOf(int result_code) const;
+
+ private:
+  struct Close {
+    void operator()(sqlite3* handle) const;
+  };
+  SqliteDatabase(std::string path, sqlite3* handle) : path_(std::move(path)), handle_(handle) {}
+
+  std::string path_;
+  std::unique_ptr<sqlite3, Close> handle_;
+};
+
+// Failures of preparing and binding are kept and returned by the next Step or Run.
+class SqliteStatement {
+ public:
+  SqliteStatement(SqliteDatabase& database, std::string_view sql);
+
+  // Binds the parameters ?1, ?2, ... and starts anew: integers, doubles, text, bytes (borrowed
+  // until the next Bind), nullopt as NULL.
+  template <typename... Values>
+  SqliteStatement& Bind(const Values&... values) {
+    Reset();
+    int index = 0;
+    (BindOne(++index, values), ...);
+    return *this;
+  }
+  // True: a row is there. False: done.
+  Result<bool> Step();
+  // For statements without rows.
+  Status Run();
+
+  // Columns count from 0. REQUIRES: Step gave a row.
+  bool IsNull(int column) const;
+  std::int64_t Int(int column) const;
+  std::int32_t Int32(int column) const { return static_cast<std::int32_t>(Int(column)); }
+  bool Bool(int column) const { return Int(column) != 0; }
+  double Real(int column) const;
+  std::string Text(int column) const;
+  std::span<const std::uint8_t> Bytes(int column) const;  // valid until the next Step
+  std::vector<std::uint8_t> Blob(int column) const;
+
+ private:
+  struct Finalize {
+    void operator()(sqlite3_stmt* statement) const;
+  };
+  void Reset();
+  void Keep(int result_code);
+  void BindOne(int index, std::int64_t value);
+  void BindOne(int index, std::int32_t value) { BindOne(index, static_cast<std::int64_t>(value)); }
+  void BindOne(int index, bool value) { BindOne(index, static_cast<std::int64_t>(value)); }
+  void BindOne(int index, double value);
+  void BindOne(int index, std::string_view text);
+  void BindOne(int index, const std::string& text) { BindOne(index, std::string_view(text)); }
+  void BindOne(int index, const char* text) { BindOne(index, std::string_view(text)); }
+  void BindOne(int index, const std::vector<std::uint8_t>& bytes);
+  void BindOne(int index, std::optional<std::int64_t> value);
+
+  SqliteDatabase& database_;
+  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+  int result_code_;  // the first failure, else SQLITE_OK
+};
+
+class SqliteTransaction {
+ public:
+  // kRead sees one state of the database throughout; kWrite waits for other writers.
+  enum class Kind { kRead, kWrite };
+  static Result<SqliteTransaction> Begin(SqliteDatabase& database, Kind kind);
+
+  SqliteTransaction(SqliteTransaction&& other) noexcept;
+  SqliteTransaction& operator=(SqliteTransaction&&) = delete;
+  ~SqliteTransaction();  // rolls back unless committed
+
+  Status Commit();
+
+ private:
+  explicit SqliteTransaction(SqliteDatabase& database) : database_(&database) {}
+
+  SqliteDatabase* database_;  // null once committed or moved from
+};
+
+}  // namespace maploc

@@ -1,0 +1,113 @@
+#include "mapstore/store/sqlite_file.h"
+
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "mapstore/store/schema.h"
+#include "mapstore/store/sqlite_store.h"
+
+namespace maploc {
+namespace {
+
+// SQLite's header, as its file format document gives it (big-endian fields).
+constexpr std::size_t kHeaderBytes = 100;
+constexpr std::size_t kUserVersionAt = 60;
+constexpr std::size_t kApplicationIdAt = 68;
+constexpr std::string_view kMagic("SQLite format 3\0", 16);
+using Header = std::array<unsigned char, kHeaderBytes>;
+
+std::uint32_t BigEndian32(const Header& header, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | header[at + i];
+  return value;
+}
+
+Status TooNew(const std::string& path, std::int64_t version) {
+  return FailedPrecondition("STORE_TOO_NEW", path + ": has schema version " +
+                                                 std::to_string(version) + ", this program knows " +
+                                                 std::to_string(StoreSchemaVersion()) +
+                                                 "; use a newer maploc");
+}
+
+// Looks at the bytes alone: merely opening a strange database could change it (a log to be
+// replayed).
+Status CheckHeader(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    return Status(StatusCode::kUnavailable, "STORE_NOT_READABLE",
+                  path + ": cannot be read; check its permissions");
+  }
+  Header header{};
+  file.read(reinterpret_cast<char*>(header.data()), header.size());
+  const bool whole = file.gcount() == static_cast<std::streamsize>(header.size());
+  if (!whole || std::memcmp(header.data(), kMagic.data(), kMagic.size()) != 0) {
+    return InvalidFile(path, "is not a maploc store (not an SQLite database)");
+  }
+  if (BigEndian32(header, kApplicationIdAt) != static_cast<std::uint32_t>(kStoreApplicationId)) {
+    return InvalidFile(path, "is not a maploc store (an SQLite database of another application)");
+  }
+  const std::uint32_t version = BigEndian32(header, kUserVersionAt);
+  if (version > static_cast<std::uint32_t>(StoreSchemaVersion())) return TooNew(path, version);
+  return Status::Ok();
+}
+
+// Whether there is a store already; an error where the path is something else.
+Result<bool> CheckPath(const std::string& path, bool create) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) {
+    if (create) return false;
+    return Status(StatusCode::kNotFound, "STORE_NOT_FOUND",
+                  path + ": there is no such store; check --store, or make one by an import");
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    return InvalidFile(path, "is not a file, so no maploc store");
+  }
+  if (std::filesystem::file_size(path, error) > 0) return true;
+  if (create) return false;
+  return InvalidFile(path, "is empty, so no maploc store; make one by an import");
+}
+
+Result<std::int64_t> UserVersion(SqliteDatabase& database) {
+  SqliteStatement statement(database, "PRAGMA user_version");
+  MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+  return row ? statement.Int(0) : 0;
+}
+
+// In one transaction, so that a store is of one version or of the next. The application id is
+// written with the first, before the write-ahead log is turned on, so that CheckHeader finds it in
+// the main file.
+Status Migrate(SqliteDatabase& database) {
+  MAPLOC_ASSIGN_OR_RETURN(auto transaction,
+                          SqliteTransaction::Begin(database, SqliteTransaction::Kind::kWrite));
+  MAPLOC_ASSIGN_OR_RETURN(const std::int64_t version, UserVersion(database));
+  if (version > StoreSchemaVersion()) return TooNew(database.path(), version);
+  if (version == StoreSchemaVersion()) return Status::Ok();
+  for (std::int64_t i = version; i < StoreSchemaVersion(); ++i) {
+    MAPLOC_RETURN_IF_ERROR(
+        database.Execute(std::string(StoreMigrations()[static_cast<std::size_t>(i)])));
+  }
+  MAPLOC_RETURN_IF_ERROR(
+      database.Execute("PRAGMA application_id = " + std::to_string(kStoreApplicationId)));
+  MAPLOC_RETURN_IF_ERROR(
+      database.Execute("PRAGMA user_version = " + std::to_string(StoreSchemaVersion())));
+  return transaction.Commit();
+}
+
+}  // namespace
+
+Result<SqliteDatabase> OpenStoreFile(const std::string& path, const SqliteStoreOptions& options) {
+  MAPLOC_ASSIGN_OR_RETURN(const bool exists, CheckPath(path, options.create));
+  if (exists) MAPLOC_RETURN_IF_ERROR(CheckHeader(path));
+  const SqliteAccess access = exists ? SqliteAccess::kWrite : SqliteAccess::kCreate;
+  MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase database,
+                          SqliteDatabase::Open(path, access, options.busy_timeout_ms));
+  MAPLOC_ASSIGN_OR_RETURN(const std::int64_t version, UserVersion(database));
+  if (version != StoreSchemaVersion()) MAPLOC_RETURN_IF_ERROR(Migrate(database));
+  MAPLOC_RETURN_IF_ERROR(database.Execute("PRAGMA journal_mode = WAL"));
+  return database;
+}
+
+}  // namespace maploc

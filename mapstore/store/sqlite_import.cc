@@ -1,0 +1,190 @@
+#include "mapstore/store/sqlite_import.h"
+
+#include <optional>
+#include <vector>
+
+#include "mapstore/store/codec.h"
+#include "mapstore/store/derivation.h"
+#include "mapstore/store/import_lock.h"
+#include "mapstore/store/validation.h"
+
+namespace maploc {
+namespace {
+
+constexpr int kPointsType = 1;
+constexpr int kLinesType = 2;
+
+Status InsertFeatures(SqliteDatabase& database, std::int64_t map, SegmentId id, int type,
+                      const FeatureBlobs& blobs) {
+  SqliteStatement insert(database,
+                         "INSERT INTO segment_features (map, segment, type, landmark_count, "
+                         "descriptor_count, checksum, ids, geometry, owners, descriptors) VALUES "
+                         "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)");
+  return insert
+      .Bind(map, id, type, blobs.count, blobs.descriptor_count,
+            static_cast<std::int64_t>(blobs.checksum), blobs.ids, blobs.geometry, blobs.owners,
+            blobs.descriptors)
+      .Run();
+}
+
+Status InsertSegment(SqliteDatabase& database, std::int64_t map, const Segment& segment) {
+  SqliteStatement insert(database,
+                         "INSERT INTO segments (map, segment, usable_line_count, path_count, path) "
+                         "VALUES (?1, ?2, ?3, ?4, ?5)");
+  return insert
+      .Bind(map, segment.id, CountUsableLines(segment.lines),
+            static_cast<std::int64_t>(segment.path_in_map.size()),
+            EncodePositions(segment.path_in_map))
+      .Run();
+}
+
+Result<std::int64_t> NextVersion(SqliteDatabase& database, const std::string& name) {
+  SqliteStatement statement(
+      database, "SELECT COALESCE(MAX(version), 0) + 1 FROM map_versions WHERE name = ?1");
+  MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Bind(name).Step());
+  return row ? statement.Int(0) : 1;
+}
+
+Result<std::int64_t> InsertMap(SqliteDatabase& database, const MapInfo& info) {
+  SqliteStatement insert(
+      database,
+      "INSERT INTO map_versions (name, version, state, metric, scale, rotation_x, rotation_y, "
+      "rotation_z, rotation_w, translation_x, translation_y, translation_z, point_kind, "
+      "point_kind_bytes, point_kind_metric, line_kind, line_kind_bytes, line_kind_metric, "
+      "created_unix_ns) VALUES (?1, ?2, 0, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
+      "?15, ?16, ?17, ?18)");
+  const Similarity3& transform = info.map_from_source;
+  const DescriptorKind& points = info.point_descriptor;
+  const DescriptorKind& lines = info.line_descriptor;
+  MAPLOC_RETURN_IF_ERROR(
+      insert
+          .Bind(info.key.name, info.key.version, info.metric, transform.scale,
+                transform.rotation.x(), transform.rotation.y(), transform.rotation.z(),
+                transform.rotation.w(), transform.translation.x(), transform.translation.y(),
+                transform.translation.z(), points.name, points.bytes,
+                static_cast<std::int64_t>(points.metric), lines.name, lines.bytes,
+                static_cast<std::int64_t>(lines.metric), info.created_unix_ns)
+          .Run());
+  return database.LastInsertId();
+}
+
+// The segments of an import that was never published go one by one, so that nobody waits long for
+// the write lock; the version itself goes last, so that an interrupted sweep can be taken up again.
+Status DeleteImport(SqliteConnections& connections, std::int64_t map) {
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(auto writer, connections.Write());
+    SqliteStatement find(writer.database(), "SELECT MIN(segment) FROM segments WHERE map = ?1");
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, find.Bind(map).Step());
+    if (!row || find.IsNull(0)) {
+      SqliteStatement remove(writer.database(),
+                             "DELETE FROM map_versions WHERE id = ?1 AND state = 0");
+      MAPLOC_RETURN_IF_ERROR(remove.Bind(map).Run());
+      return writer.Commit();
+    }
+    const std::int64_t segment = find.Int(0);
+    for (const char* sql : {"DELETE FROM segment_features WHERE map = ?1 AND segment = ?2",
+                            "DELETE FROM segments WHERE map = ?1 AND segment = ?2"}) {
+      SqliteStatement remove(writer.database(), sql);
+      MAPLOC_RETURN_IF_ERROR(remove.Bind(map, segment).Run());
+    }
+    MAPLOC_RETURN_IF_ERROR(writer.Commit());
+  }
+}
+
+class SqliteMapWriter : public MapWriter {
+ public:
+  SqliteMapWriter(SqliteConnections& connections, MapInfo info, std::int64_t row_id,
+                  ImportLock lock)
+      : connections_(connections),
+        info_(std::move(info)),
+        row_id_(row_id),
+        lock_(std::move(lock)) {}
+
+  ~SqliteMapWriter() override {
+    // What cannot be deleted now is swept at the next start.
+    if (!committed_) static_cast<void>(DeleteImport(connections_, row_id_));
+  }
+
+  const MapKey& key() const override { return info_.key; }
+
+  Status AddSegment(const Segment& segment) override {
+    if (committed_) return ImportCommitted();
+    MAPLOC_RETURN_IF_ERROR(ValidateNextSegment(info_, segment, next_));
+    const FeatureBlobs points = EncodePoints(segment.points);
+    const FeatureBlobs lines = EncodeLines(segment.lines);
+    MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_.Write());
+    SqliteDatabase& database = writer.database();
+    MAPLOC_RETURN_IF_ERROR(InsertSegment(database, row_id_, segment));
+    MAPLOC_RETURN_IF_ERROR(InsertFeatures(database, row_id_, segment.id, kPointsType, points));
+    MAPLOC_RETURN_IF_ERROR(InsertFeatures(database, row_id_, segment.id, kLinesType, lines));
+    MAPLOC_RETURN_IF_ERROR(writer.Commit());
+    counter_.Add(segment);
+    ++next_;
+    return Status::Ok();
+  }
+
+  Status Commit() override {
+    if (committed_) return ImportCommitted();
+    if (next_ == 0) return EmptyMap(info_.key);
+    MapSummary summary;
+    counter_.CountInto(summary);
+    MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_.Write());
+    SqliteStatement publish(writer.database(),
+                            "UPDATE map_versions SET state = 1, segment_count = ?2, point_count = "
+                            "?3, line_count = ?4, usable_line_count = ?5 WHERE id = ?1");
+    MAPLOC_RETURN_IF_ERROR(
+        publish.Bind(row_id_, summary.segments, summary.points, summary.lines, summary.usable_lines)
+            .Run());
+    MAPLOC_RETURN_IF_ERROR(writer.CommitVisibly());
+    committed_ = true;
+    return Status::Ok();
+  }
+
+ private:
+  SqliteConnections& connections_;
+  const MapInfo info_;
+  const std::int64_t row_id_;
+  const ImportLock lock_;
+  LandmarkCounter counter_;
+  SegmentId next_ = 0;
+  bool committed_ = false;
+};
+
+Result<std::vector<std::int64_t>> UnpublishedMaps(SqliteConnections& connections) {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections.Read());
+  SqliteStatement statement(reader.database(), "SELECT id FROM map_versions WHERE state = 0");
+  std::vector<std::int64_t> maps;
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+    if (!row) return maps;
+    maps.push_back(statement.Int(0));
+  }
+}
+
+}  // namespace
+
+Result<std::unique_ptr<MapWriter>> BeginSqliteImport(SqliteConnections& connections,
+                                                     const MapInfo& info) {
+  MAPLOC_RETURN_IF_ERROR(ValidateMapInfo(info));
+  MAPLOC_RETURN_IF_ERROR(SweepSqliteImports(connections));
+  MapInfo named = info;
+  MAPLOC_ASSIGN_OR_RETURN(auto writer, connections.Write());
+  MAPLOC_ASSIGN_OR_RETURN(named.key.version, NextVersion(writer.database(), info.key.name));
+  MAPLOC_ASSIGN_OR_RETURN(const std::int64_t row_id, InsertMap(writer.database(), named));
+  // Before the commit: from the moment it can be seen, the import is seen to be alive.
+  MAPLOC_ASSIGN_OR_RETURN(ImportLock lock, ImportLock::Acquire(connections.path(), row_id));
+  MAPLOC_RETURN_IF_ERROR(writer.Commit());
+  return std::unique_ptr<MapWriter>(
+      std::make_unique<SqliteMapWriter>(connections, std::move(named), row_id, std::move(lock)));
+}
+
+Status SweepSqliteImports(SqliteConnections& connections) {
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<std::int64_t> maps, UnpublishedMaps(connections));
+  for (const std::int64_t map : maps) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool alive, ImportLock::IsHeld(connections.path(), map));
+    if (!alive) MAPLOC_RETURN_IF_ERROR(DeleteImport(connections, map));
+  }
+  return Status::Ok();
+}
+
+}  // namespace maploc

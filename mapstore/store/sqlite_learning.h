@@ -1,0 +1,19 @@
+// What changes statistics and strategies in SQLite: the end of a session, and a pin. Each is one
+// transaction.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "mapstore/store/map_store.h"
+#include "mapstore/store/sqlite_connections.h"
+
+namespace maploc {
+
+Result<SessionSummary> EndSqliteSession(SqliteConnections& connections, const SessionId& id,
+                                        SessionEnd end, std::int64_t end_unix_ns,
+                                        std::span<const Observation> last);
+Status PinSqliteStrategy(SqliteConnections& connections, const MapKey& key, SegmentId id,
+                         std::optional<Strategy> pinned);
+
+}  // namespace maploc

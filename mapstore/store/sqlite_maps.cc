@@ -1,0 +1,166 @@
+#include "mapstore/store/sqlite_maps.h"
+
+#include "mapstore/store/codec.h"
+#include "mapstore/store/validation.h"
+
+namespace maploc {
+namespace {
+
+constexpr std::string_view kMapColumns =
+    "id, name, version, metric, scale, rotation_x, rotation_y, rotation_z, rotation_w, "
+    "translation_x, translation_y, translation_z, point_kind, point_kind_bytes, "
+    "point_kind_metric, line_kind, line_kind_bytes, line_kind_metric, created_unix_ns, "
+    "segment_count, point_count, line_count, usable_line_count";
+
+std::string SelectMaps(std::string_view rest) {
+  return "SELECT " + std::string(kMapColumns) + " FROM map_versions WHERE state = 1 " +
+         std::string(rest);
+}
+
+DescriptorKind KindAt(const SqliteStatement& row, int column) {
+  return {row.Text(column), row.Int32(column + 1),
+          static_cast<DescriptorMetric>(row.Int(column + 2))};
+}
+
+Similarity3 SimilarityAt(const SqliteStatement& row, int column) {
+  Similarity3 transform;
+  transform.scale = row.Real(column);
+  transform.rotation = Eigen::Quaterniond(row.Real(column + 4), row.Real(column + 1),
+                                          row.Real(column + 2), row.Real(column + 3));
+  transform.translation = {row.Real(column + 5), row.Real(column + 6), row.Real(column + 7)};
+  return transform;
+}
+
+StoredMap MapAt(const SqliteStatement& row) {
+  StoredMap map;
+  map.row_id = row.Int(0);
+  MapInfo& info = map.summary.info;
+  info.key = {row.Text(1), row.Int(2)};
+  info.metric = row.Bool(3);
+  info.map_from_source = SimilarityAt(row, 4);
+  info.point_descriptor = KindAt(row, 12);
+  info.line_descriptor = KindAt(row, 15);
+  info.created_unix_ns = row.Int(18);
+  map.summary.segments = row.Int(19);
+  map.summary.points = row.Int(20);
+  map.summary.lines = row.Int(21);
+  map.summary.usable_lines = row.Int(22);
+  return map;
+}
+
+// The blobs of one type (1 points, 2 lines) of a segment.
+Result<FeatureBlobs> ReadFeatures(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                                  int type) {
+  SqliteStatement statement(
+      database,
+      "SELECT landmark_count, descriptor_count, checksum, ids, geometry, owners, "
+      "descriptors FROM segment_features WHERE map = ?1 AND segment = ?2 AND type = ?3");
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(map, id, type).Step());
+  if (!found) {
+    return Status(StatusCode::kDataLoss, "DAMAGED_SEGMENT",
+                  std::string(type == 1 ? "points" : "lines") + ": are missing");
+  }
+  FeatureBlobs blobs;
+  blobs.count = statement.Int(0);
+  blobs.descriptor_count = statement.Int(1);
+  blobs.checksum = static_cast<std::uint64_t>(statement.Int(2));
+  blobs.ids = statement.Blob(3);
+  blobs.geometry = statement.Blob(4);
+  blobs.owners = statement.Blob(5);
+  blobs.descriptors = statement.Blob(6);
+  return blobs;
+}
+
+Result<std::shared_ptr<const Segment>> DecodeSegment(SqliteDatabase& database, const StoredMap& map,
+                                                     SegmentId id,
+                                                     std::vector<Eigen::Vector3d> path) {
+  auto segment = std::make_shared<Segment>();
+  segment->map = map.key();
+  segment->id = id;
+  segment->path_in_map = std::move(path);
+  MAPLOC_ASSIGN_OR_RETURN(const FeatureBlobs points, ReadFeatures(database, map.row_id, id, 1));
+  MAPLOC_ASSIGN_OR_RETURN(segment->points, DecodePoints(points, map.summary.info.point_descriptor));
+  MAPLOC_ASSIGN_OR_RETURN(const FeatureBlobs lines, ReadFeatures(database, map.row_id, id, 2));
+  MAPLOC_ASSIGN_OR_RETURN(segment->lines, DecodeLines(lines, map.summary.info.line_descriptor));
+  if (const Status valid = ValidateSegment(map.summary.info, *segment); !valid.ok()) {
+    return Status(StatusCode::kDataLoss, "DAMAGED_SEGMENT", valid.message());
+  }
+  return std::shared_ptr<const Segment>(std::move(segment));
+}
+
+}  // namespace
+
+Result<std::vector<StoredMap>> ReadAllMaps(SqliteDatabase& database) {
+  SqliteStatement statement(database, SelectMaps("ORDER BY name, version"));
+  std::vector<StoredMap> maps;
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+    if (!row) return maps;
+    maps.push_back(MapAt(statement));
+  }
+}
+
+Result<StoredMap> ReadNewestMap(SqliteDatabase& database, const std::string& name) {
+  SqliteStatement statement(database, SelectMaps("AND name = ?1 ORDER BY version DESC LIMIT 1"));
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(name).Step());
+  if (!found) return UnknownMap(name);
+  return MapAt(statement);
+}
+
+Result<StoredMap> ReadMap(SqliteDatabase& database, const MapKey& key) {
+  SqliteStatement statement(database, SelectMaps("AND name = ?1 AND version = ?2"));
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(key.name, key.version).Step());
+  if (!found) return UnknownMap(key);
+  return MapAt(statement);
+}
+
+Result<MapKey> ReadMapKey(SqliteDatabase& database, std::int64_t row_id) {
+  SqliteStatement statement(database, "SELECT name, version FROM map_versions WHERE id = ?1");
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(row_id).Step());
+  if (!found) return Internal("map row " + std::to_string(row_id) + " is missing");
+  return MapKey{statement.Text(0), statement.Int(1)};
+}
+
+Result<SegmentSummary> ReadSegmentCounts(SqliteDatabase& database, const StoredMap& map,
+                                         SegmentId id) {
+  SqliteStatement statement(database,
+                            "SELECT s.usable_line_count, s.path_count, s.path, "
+                            "(SELECT landmark_count FROM segment_features f "
+                            " WHERE f.map = s.map AND f.segment = s.segment AND f.type = 1), "
+                            "(SELECT landmark_count FROM segment_features f "
+                            " WHERE f.map = s.map AND f.segment = s.segment AND f.type = 2) "
+                            "FROM segments s WHERE s.map = ?1 AND s.segment = ?2");
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(map.row_id, id).Step());
+  if (!found) return UnknownSegment(map.key(), id);
+  SegmentSummary summary;
+  summary.id = id;
+  summary.usable_lines = statement.Int(0);
+  MAPLOC_ASSIGN_OR_RETURN(summary.path_in_map,
+                          DecodePositions(statement.Bytes(2), statement.Int(1), "path"));
+  summary.points = statement.Int(3);
+  summary.lines = statement.Int(4);
+  return summary;
+}
+
+Status RequireSegment(SqliteDatabase& database, const StoredMap& map, SegmentId id) {
+  SqliteStatement statement(database, "SELECT 1 FROM segments WHERE map = ?1 AND segment = ?2");
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(map.row_id, id).Step());
+  return found ? Status::Ok() : UnknownSegment(map.key(), id);
+}
+
+Result<std::shared_ptr<const Segment>> ReadSegment(SqliteDatabase& database, const StoredMap& map,
+                                                   SegmentId id) {
+  const std::string where = database.path() + ": map '" + map.key().name + "' version " +
+                            std::to_string(map.key().version) + " segment " + std::to_string(id);
+  Result<SegmentSummary> counts = ReadSegmentCounts(database, map, id);
+  if (!counts.ok()) {
+    const bool damaged = counts.status().code() == StatusCode::kDataLoss;
+    return damaged ? counts.status().WithContext(where) : counts.status();
+  }
+  Result<std::shared_ptr<const Segment>> segment =
+      DecodeSegment(database, map, id, std::move(counts->path_in_map));
+  if (!segment.ok()) return segment.status().WithContext(where);
+  return segment;
+}
+
+}  // namespace maploc

@@ -1,0 +1,248 @@
+#include "mapstore/store/sqlite_sessions.h"
+
+#include "mapstore/store/validation.h"
+
+namespace maploc {
+namespace {
+
+constexpr std::string_view kSessionColumns =
+    "s.id, m.name, m.version, s.robot, s.start_unix_ns, s.end_unix_ns, s.end, s.revoked";
+
+Session SessionAt(const SqliteStatement& row) {
+  Session session;
+  session.id = row.Text(0);
+  session.map = {row.Text(1), row.Int(2)};
+  session.robot = row.Text(3);
+  session.start_unix_ns = row.Int(4);
+  session.end_unix_ns = row.Int(5);
+  session.end = static_cast<SessionEnd>(row.Int(6));
+  session.revoked = row.Bool(7);
+  return session;
+}
+
+Status ReadLabels(SqliteDatabase& database, Session& session) {
+  SqliteStatement statement(database, "SELECT name, value FROM session_labels WHERE session = ?1");
+  statement.Bind(session.id);
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+    if (!row) return Status::Ok();
+    session.labels[statement.Text(0)] = statement.Text(1);
+  }
+}
+
+FeatureCounts CountsAt(const SqliteStatement& row, int column) {
+  return {row.Int32(column), row.Int32(column + 1)};
+}
+
+Observation ObservationAt(const SqliteStatement& row) {
+  Observation observation;
+  observation.sequence = row.Int(0);
+  observation.segment = row.Int32(1);
+  observation.outcome = static_cast<Outcome>(row.Int(2));
+  Evidence& evidence = observation.evidence;
+  evidence.points = CountsAt(row, 3);
+  evidence.usable_lines = CountsAt(row, 5);
+  evidence.vertical_lines = CountsAt(row, 7);
+  evidence.strategy = static_cast<Strategy>(row.Int(9));
+  evidence.fell_back = row.Bool(10);
+  evidence.iterations = row.Int32(11);
+  evidence.gravity_disagreement_rad = row.Real(12);
+  evidence.confidence = row.Real(13);
+  observation.total_ms = row.Real(14);
+  observation.time_unix_ns = row.Int(15);
+  return observation;
+}
+
+Status InsertObservation(SqliteStatement& insert, const SessionId& id, const Observation& o) {
+  const Evidence& evidence = o.evidence;
+  return insert
+      .Bind(id, o.sequence, o.segment, static_cast<std::int64_t>(o.outcome),
+            evidence.points.matches, evidence.points.inliers, evidence.usable_lines.matches,
+            evidence.usable_lines.inliers, evidence.vertical_lines.matches,
+            evidence.vertical_lines.inliers, static_cast<std::int64_t>(evidence.strategy),
+            evidence.fell_back, evidence.iterations, evidence.gravity_disagreement_rad,
+            evidence.confidence, o.total_ms, o.time_unix_ns)
+      .Run();
+}
+
+constexpr std::string_view kRowColumns =
+    "r.session, s.start_unix_ns, r.segment, r.queries, r.localized, r.point_matches, "
+    "r.point_inliers, r.usable_line_matches, r.usable_line_inliers, r.vertical_line_matches, "
+    "r.vertical_line_inliers, r.median_point_matches, r.median_usable_line_matches, "
+    "r.median_vertical_line_matches";
+
+SegmentSessionRow RowAt(const SqliteStatement& statement) {
+  SegmentSessionRow row;
+  row.session = statement.Text(0);
+  row.session_start_unix_ns = statement.Int(1);
+  row.segment = statement.Int32(2);
+  row.queries = statement.Int(3);
+  row.localized = statement.Int(4);
+  row.point_matches = statement.Int(5);
+  row.point_inliers = statement.Int(6);
+  row.usable_line_matches = statement.Int(7);
+  row.usable_line_inliers = statement.Int(8);
+  row.vertical_line_matches = statement.Int(9);
+  row.vertical_line_inliers = statement.Int(10);
+  row.median_point_matches = statement.Real(11);
+  row.median_usable_line_matches = statement.Real(12);
+  row.median_vertical_line_matches = statement.Real(13);
+  return row;
+}
+
+Result<std::vector<SegmentSessionRow>> CollectRows(SqliteStatement& statement) {
+  std::vector<SegmentSessionRow> rows;
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+    if (!row) return rows;
+    rows.push_back(RowAt(statement));
+  }
+}
+
+}  // namespace
+
+Status InsertSession(SqliteDatabase& database, const StoredMap& map, const Session& session) {
+  SqliteStatement insert(database,
+                         "INSERT INTO sessions (id, map, robot, start_unix_ns, end_unix_ns, end, "
+                         "revoked) VALUES (?1, ?2, ?3, ?4, 0, 0, 0) ON CONFLICT DO NOTHING");
+  MAPLOC_RETURN_IF_ERROR(
+      insert.Bind(session.id, map.row_id, session.robot, session.start_unix_ns).Run());
+  if (database.ChangedRows() == 0) return SessionExists(session.id);
+  SqliteStatement label(database, "INSERT INTO session_labels VALUES (?1, ?2, ?3)");
+  for (const auto& [name, value] : session.labels) {
+    MAPLOC_RETURN_IF_ERROR(label.Bind(session.id, name, value).Run());
+  }
+  return Status::Ok();
+}
+
+Result<Session> ReadSession(SqliteDatabase& database, const SessionId& id) {
+  SqliteStatement statement(database, "SELECT " + std::string(kSessionColumns) +
+                                          " FROM sessions s JOIN map_versions m ON m.id = s.map "
+                                          "WHERE s.id = ?1");
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(id).Step());
+  if (!found) return UnknownSession(id);
+  Session session = SessionAt(statement);
+  MAPLOC_RETURN_IF_ERROR(ReadLabels(database, session));
+  return session;
+}
+
+Result<std::vector<Session>> ReadSessions(SqliteDatabase& database) {
+  SqliteStatement statement(database, "SELECT " + std::string(kSessionColumns) +
+                                          " FROM sessions s JOIN map_versions m ON m.id = s.map "
+                                          "ORDER BY s.start_unix_ns, s.id");
+  std::vector<Session> sessions;
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+    if (!row) return sessions;
+    sessions.push_back(SessionAt(statement));
+    MAPLOC_RETURN_IF_ERROR(ReadLabels(database, sessions.back()));
+  }
+}
+
+Status CloseSession(SqliteDatabase& database, const SessionSummary& summary,
+                    std::int64_t end_unix_ns) {
+  SqliteStatement statement(database,
+                            "UPDATE sessions SET end = ?2, end_unix_ns = ?3, queries = ?4, "
+                            "localized = ?5 WHERE id = ?1");
+  return statement
+      .Bind(summary.session, static_cast<std::int64_t>(summary.end), end_unix_ns, summary.queries,
+            summary.localized)
+      .Run();
+}
+
+Result<SessionSummary> ReadSummary(SqliteDatabase& database, const Session& session) {
+  SessionSummary summary;
+  summary.session = session.id;
+  summary.end = session.end;
+  SqliteStatement totals(database, "SELECT queries, localized FROM sessions WHERE id = ?1");
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, totals.Bind(session.id).Step());
+  if (!found) return UnknownSession(session.id);
+  summary.queries = totals.Int(0);
+  summary.localized = totals.Int(1);
+  SqliteStatement changes(database,
+                          "SELECT segment, queries, localized, strategy_before, strategy_after "
+                          "FROM segment_sessions WHERE session = ?1 ORDER BY segment");
+  changes.Bind(session.id);
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, changes.Step());
+    if (!row) return summary;
+    summary.segments.push_back({changes.Int32(0), changes.Int(1), changes.Int(2),
+                                static_cast<Strategy>(changes.Int(3)),
+                                static_cast<Strategy>(changes.Int(4))});
+  }
+}
+
+Status InsertObservations(SqliteDatabase& database, const StoredMap& map, const SessionId& id,
+                          std::span<const Observation> observations) {
+  SqliteStatement insert(
+      database,
+      "INSERT INTO observations (session, sequence, segment, outcome, point_matches, "
+      "point_inliers, usable_line_matches, usable_line_inliers, vertical_line_matches, "
+      "vertical_line_inliers, strategy, fell_back, iterations, gravity_disagreement_rad, "
+      "confidence, total_ms, time_unix_ns) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, "
+      "?12, ?13, ?14, ?15, ?16, ?17) ON CONFLICT (session, sequence) DO NOTHING");
+  for (const Observation& observation : observations) {
+    MAPLOC_RETURN_IF_ERROR(ValidateObservation(observation));
+    if (observation.segment >= 0) {
+      MAPLOC_RETURN_IF_ERROR(RequireSegment(database, map, observation.segment));
+    }
+    MAPLOC_RETURN_IF_ERROR(InsertObservation(insert, id, observation));
+  }
+  return Status::Ok();
+}
+
+Result<std::vector<Observation>> ReadObservations(SqliteDatabase& database, const SessionId& id) {
+  SqliteStatement statement(
+      database,
+      "SELECT sequence, segment, outcome, point_matches, point_inliers, usable_line_matches, "
+      "usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back, "
+      "iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns "
+      "FROM observations WHERE session = ?1 ORDER BY sequence");
+  statement.Bind(id);
+  std::vector<Observation> observations;
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+    if (!row) return observations;
+    observations.push_back(ObservationAt(statement));
+  }
+}
+
+Status InsertRow(SqliteDatabase& database, std::int64_t map, const SegmentSessionRow& row,
+                 const SessionSummary::SegmentChange& change) {
+  SqliteStatement insert(
+      database,
+      "INSERT INTO segment_sessions (map, segment, session, queries, localized, point_matches, "
+      "point_inliers, usable_line_matches, usable_line_inliers, vertical_line_matches, "
+      "vertical_line_inliers, median_point_matches, median_usable_line_matches, "
+      "median_vertical_line_matches, strategy_before, strategy_after) VALUES (?1, ?2, ?3, ?4, ?5, "
+      "?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)");
+  return insert
+      .Bind(map, row.segment, row.session, row.queries, row.localized, row.point_matches,
+            row.point_inliers, row.usable_line_matches, row.usable_line_inliers,
+            row.vertical_line_matches, row.vertical_line_inliers, row.median_point_matches,
+            row.median_usable_line_matches, row.median_vertical_line_matches,
+            static_cast<std::int64_t>(change.strategy_before),
+            static_cast<std::int64_t>(change.strategy_after))
+      .Run();
+}
+
+Result<std::vector<SegmentSessionRow>> ReadRows(SqliteDatabase& database, std::int64_t map,
+                                                SegmentId id) {
+  SqliteStatement statement(database,
+                            "SELECT " + std::string(kRowColumns) +
+                                " FROM segment_sessions r JOIN sessions s ON s.id = r.session "
+                                "WHERE r.map = ?1 AND r.segment = ?2 AND s.revoked = 0 "
+                                "ORDER BY s.start_unix_ns, s.id");
+  return CollectRows(statement.Bind(map, id));
+}
+
+Result<std::vector<SegmentSessionRow>> ReadRowsOfSession(SqliteDatabase& database,
+                                                         const SessionId& id) {
+  SqliteStatement statement(database,
+                            "SELECT " + std::string(kRowColumns) +
+                                " FROM segment_sessions r JOIN sessions s ON s.id = r.session "
+                                "WHERE r.session = ?1 ORDER BY r.segment");
+  return CollectRows(statement.Bind(id));
+}
+
+}  // namespace maploc

@@ -1,0 +1,38 @@
+// Sessions, observations and rows in SQLite. Callers hold the connection, and a transaction around
+// what belongs together.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "mapstore/store/map_store.h"
+#include "mapstore/store/sqlite_database.h"
+#include "mapstore/store/sqlite_maps.h"
+
+namespace maploc {
+
+Status InsertSession(SqliteDatabase& database, const StoredMap& map, const Session& session);
+Result<Session> ReadSession(SqliteDatabase& database, const SessionId& id);
+Result<std::vector<Session>> ReadSessions(SqliteDatabase& database);  // by start, then id
+// Marks the end, with the summary's totals.
+Status CloseSession(SqliteDatabase& database, const SessionSummary& summary,
+                    std::int64_t end_unix_ns);
+// The kept summary of a closed session.
+Result<SessionSummary> ReadSummary(SqliteDatabase& database, const Session& session);
+
+// Validates each, and that its segment is in `map`; known sequences are left alone.
+Status InsertObservations(SqliteDatabase& database, const StoredMap& map, const SessionId& id,
+                          std::span<const Observation> observations);
+Result<std::vector<Observation>> ReadObservations(SqliteDatabase& database, const SessionId& id);
+
+// A row with the strategies before and after it.
+Status InsertRow(SqliteDatabase& database, std::int64_t map, const SegmentSessionRow& row,
+                 const SessionSummary::SegmentChange& change);
+// Of unrevoked sessions, in folding order.
+Result<std::vector<SegmentSessionRow>> ReadRows(SqliteDatabase& database, std::int64_t map,
+                                                SegmentId id);
+// Of one session, by segment.
+Result<std::vector<SegmentSessionRow>> ReadRowsOfSession(SqliteDatabase& database,
+                                                         const SessionId& id);
+
+}  // namespace maploc

@@ -1,0 +1,198 @@
+#include "mapstore/store/sqlite_store.h"
+
+#include "mapstore/store/sqlite_connections.h"
+#include "mapstore/store/sqlite_decisions.h"
+#include "mapstore/store/sqlite_import.h"
+#include "mapstore/store/sqlite_learning.h"
+#include "mapstore/store/sqlite_maps.h"
+#include "mapstore/store/sqlite_sessions.h"
+#include "mapstore/store/sqlite_verify.h"
+#include "mapstore/store/validation.h"
+
+namespace maploc {
+namespace {
+
+// Each method takes a connection and delegates; the connections do the guarding.
+class SqliteStore : public MapStore {
+ public:
+  explicit SqliteStore(std::unique_ptr<SqliteConnections> connections)
+      : connections_(std::move(connections)) {}
+
+  Result<std::vector<MapSummary>> ListMaps() const override;
+  Result<MapSummary> GetMap(const std::string& name) const override;
+  Result<MapSummary> GetMap(const MapKey& key) const override;
+  Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const override;
+  Result<SegmentSummary> GetSegment(const MapKey& key, SegmentId id) const override;
+  Result<std::shared_ptr<const Segment>> LoadSegment(const MapKey& key,
+                                                     SegmentId id) const override;
+  Result<std::unique_ptr<MapWriter>> BeginImport(const MapInfo& info) override;
+  Status SweepAbandonedImports() override;
+  Status StartSession(const Session& session) override;
+  Result<Session> GetSession(const SessionId& id) const override;
+  Result<std::vector<Session>> ListSessions() const override;
+  Status AppendObservations(const SessionId& id,
+                            std::span<const Observation> observations) override;
+  Result<std::vector<Observation>> ListObservations(const SessionId& id) const override;
+  Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end, std::int64_t end_unix_ns,
+                                    std::span<const Observation> last) override;
+  Result<std::vector<SegmentSessionRow>> ListRows(const MapKey& key, SegmentId id) const override;
+  Result<std::vector<DecisionRecord>> ListDecisions(const MapKey& key, SegmentId id) const override;
+  Status PinStrategy(const MapKey& key, SegmentId id, std::optional<Strategy> pinned) override;
+  Result<std::int64_t> ChangeCounter() const override;
+  Status Verify() const override;
+
+ private:
+  Result<SegmentSummary> ReadSummaryOf(SqliteDatabase& database, const StoredMap& map,
+                                       SegmentId id) const;
+
+  const std::unique_ptr<SqliteConnections> connections_;
+};
+
+Result<std::vector<MapSummary>> SqliteStore::ListMaps() const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  MAPLOC_ASSIGN_OR_RETURN(const auto maps, ReadAllMaps(reader.database()));
+  std::vector<MapSummary> newest;
+  for (const StoredMap& map : maps) {
+    if (!newest.empty() && newest.back().info.key.name == map.key().name) newest.pop_back();
+    newest.push_back(map.summary);
+  }
+  return newest;
+}
+
+Result<MapSummary> SqliteStore::GetMap(const std::string& name) const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  MAPLOC_ASSIGN_OR_RETURN(StoredMap map, ReadNewestMap(reader.database(), name));
+  return std::move(map.summary);
+}
+
+Result<MapSummary> SqliteStore::GetMap(const MapKey& key) const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  MAPLOC_ASSIGN_OR_RETURN(StoredMap map, ReadMap(reader.database(), key));
+  return std::move(map.summary);
+}
+
+Result<SegmentSummary> SqliteStore::ReadSummaryOf(SqliteDatabase& database, const StoredMap& map,
+                                                  SegmentId id) const {
+  MAPLOC_ASSIGN_OR_RETURN(SegmentSummary summary, ReadSegmentCounts(database, map, id));
+  MAPLOC_ASSIGN_OR_RETURN(SegmentState state, ReadSegmentState(database, map.row_id, id,
+                                                               connections_->options().selector));
+  summary.statistics = state.derived.statistics;
+  summary.decision = std::move(state.derived.decision);
+  summary.pinned = state.pinned;
+  summary.selector = state.options;
+  return summary;
+}
+
+Result<std::vector<SegmentSummary>> SqliteStore::ListSegments(const MapKey& key) const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(reader.database(), key));
+  std::vector<SegmentSummary> segments;
+  for (std::int64_t id = 0; id < map.summary.segments; ++id) {
+    MAPLOC_ASSIGN_OR_RETURN(SegmentSummary summary,
+                            ReadSummaryOf(reader.database(), map, static_cast<SegmentId>(id)));
+    segments.push_back(std::move(summary));
+  }
+  return segments;
+}
+
+Result<SegmentSummary> SqliteStore::GetSegment(const MapKey& key, SegmentId id) const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(reader.database(), key));
+  return ReadSummaryOf(reader.database(), map, id);
+}
+
+Result<std::shared_ptr<const Segment>> SqliteStore::LoadSegment(const MapKey& key,
+                                                                SegmentId id) const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(reader.database(), key));
+  return ReadSegment(reader.database(), map, id);
+}
+
+Result<std::unique_ptr<MapWriter>> SqliteStore::BeginImport(const MapInfo& info) {
+  return BeginSqliteImport(*connections_, info);
+}
+
+Status SqliteStore::SweepAbandonedImports() { return SweepSqliteImports(*connections_); }
+
+Status SqliteStore::StartSession(const Session& session) {
+  MAPLOC_RETURN_IF_ERROR(ValidateNewSession(session));
+  MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_->Write());
+  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(writer.database(), session.map));
+  MAPLOC_RETURN_IF_ERROR(InsertSession(writer.database(), map, session));
+  return writer.Commit();
+}
+
+Result<Session> SqliteStore::GetSession(const SessionId& id) const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  return ReadSession(reader.database(), id);
+}
+
+Result<std::vector<Session>> SqliteStore::ListSessions() const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  return ReadSessions(reader.database());
+}
+
+Status SqliteStore::AppendObservations(const SessionId& id,
+                                       std::span<const Observation> observations) {
+  MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_->Write());
+  MAPLOC_ASSIGN_OR_RETURN(const Session session, ReadSession(writer.database(), id));
+  if (session.end != SessionEnd::kOpen) return SessionClosed(id);
+  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(writer.database(), session.map));
+  MAPLOC_RETURN_IF_ERROR(InsertObservations(writer.database(), map, id, observations));
+  return writer.Commit();
+}
+
+Result<std::vector<Observation>> SqliteStore::ListObservations(const SessionId& id) const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  MAPLOC_ASSIGN_OR_RETURN(const Session session, ReadSession(reader.database(), id));
+  return ReadObservations(reader.database(), session.id);
+}
+
+Result<SessionSummary> SqliteStore::EndSession(const SessionId& id, SessionEnd end,
+                                               std::int64_t end_unix_ns,
+                                               std::span<const Observation> last) {
+  return EndSqliteSession(*connections_, id, end, end_unix_ns, last);
+}
+
+Result<std::vector<SegmentSessionRow>> SqliteStore::ListRows(const MapKey& key,
+                                                             SegmentId id) const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(reader.database(), key));
+  MAPLOC_RETURN_IF_ERROR(RequireSegment(reader.database(), map, id));
+  return ReadRows(reader.database(), map.row_id, id);
+}
+
+Result<std::vector<DecisionRecord>> SqliteStore::ListDecisions(const MapKey& key,
+                                                               SegmentId id) const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(reader.database(), key));
+  MAPLOC_RETURN_IF_ERROR(RequireSegment(reader.database(), map, id));
+  return ReadDecisions(reader.database(), map.row_id, id);
+}
+
+Status SqliteStore::PinStrategy(const MapKey& key, SegmentId id, std::optional<Strategy> pinned) {
+  return PinSqliteStrategy(*connections_, key, id, pinned);
+}
+
+Result<std::int64_t> SqliteStore::ChangeCounter() const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  SqliteStatement statement(reader.database(),
+                            "SELECT value FROM meta WHERE name = 'change_counter'");
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Step());
+  if (!found) return Internal(connections_->path() + ": the change counter is missing");
+  return statement.Int(0);
+}
+
+Status SqliteStore::Verify() const { return VerifySqliteStore(*connections_); }
+
+}  // namespace
+
+Result<std::unique_ptr<MapStore>> OpenSqliteStore(const std::string& path,
+                                                  const SqliteStoreOptions& options) {
+  MAPLOC_ASSIGN_OR_RETURN(auto connections, SqliteConnections::Open(path, options));
+  auto store = std::make_unique<SqliteStore>(std::move(connections));
+  if (options.sweep_abandoned_imports) MAPLOC_RETURN_IF_ERROR(store->SweepAbandonedImports());
+  return std::unique_ptr<MapStore>(std::move(store));
+}
+
+}  // namespace maploc

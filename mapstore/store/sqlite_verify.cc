@@ -1,0 +1,112 @@
+#include "mapstore/store/sqlite_verify.h"
+
+#include "mapstore/store/derivation.h"
+#include "mapstore/store/sqlite_decisions.h"
+#include "mapstore/store/sqlite_maps.h"
+#include "mapstore/store/sqlite_sessions.h"
+
+namespace maploc {
+namespace {
+
+Status Broken(const SqliteDatabase& database, const std::string& what) {
+  return Status(StatusCode::kDataLoss, "DAMAGED_STORE",
+                database.path() + ": " + what + "; restore it from a backup");
+}
+
+std::string NameOf(const StoredMap& map) {
+  return "map '" + map.key().name + "' version " + std::to_string(map.key().version);
+}
+
+std::string NameOf(const StoredMap& map, SegmentId id) {
+  return NameOf(map) + " segment " + std::to_string(id);
+}
+
+Status CheckIntegrity(SqliteDatabase& database) {
+  SqliteStatement integrity(database, "PRAGMA integrity_check(1)");
+  MAPLOC_ASSIGN_OR_RETURN(const bool row, integrity.Step());
+  if (!row || integrity.Text(0) != "ok") {
+    return Broken(database, "the file is damaged (" + (row ? integrity.Text(0) : "") + ")");
+  }
+  SqliteStatement keys(database, "PRAGMA foreign_key_check");
+  MAPLOC_ASSIGN_OR_RETURN(const bool orphan, keys.Step());
+  if (orphan) {
+    return Broken(database,
+                  "a row of table " + keys.Text(0) + " points to a missing row of " + keys.Text(2));
+  }
+  return Status::Ok();
+}
+
+Status CheckSegment(SqliteDatabase& database, const StoredMap& map, SegmentId id,
+                    LandmarkCounter& counter) {
+  MAPLOC_ASSIGN_OR_RETURN(const auto segment, ReadSegment(database, map, id));
+  MAPLOC_ASSIGN_OR_RETURN(const SegmentSummary counts, ReadSegmentCounts(database, map, id));
+  if (counts.usable_lines != CountUsableLines(segment->lines)) {
+    return Broken(database, NameOf(map, id) + ": its count of usable lines is wrong");
+  }
+  counter.Add(*segment);
+  MAPLOC_ASSIGN_OR_RETURN(const SegmentState state,
+                          ReadSegmentState(database, map.row_id, id, SelectorOptions{}));
+  MAPLOC_ASSIGN_OR_RETURN(const auto rows, ReadRows(database, map.row_id, id));
+  const SegmentDerivation derived = DeriveSegment(rows, state.pinned, state.options);
+  if (derived.statistics != state.derived.statistics) {
+    return Broken(database, NameOf(map, id) + ": its statistics differ from its sessions' rows");
+  }
+  if (derived.decision != state.derived.decision) {
+    return Broken(database, NameOf(map, id) + ": its strategy differs from its sessions' rows");
+  }
+  return Status::Ok();
+}
+
+Status CheckMap(SqliteDatabase& database, const StoredMap& map) {
+  SqliteStatement count(database, "SELECT COUNT(*) FROM segments WHERE map = ?1");
+  MAPLOC_ASSIGN_OR_RETURN(const bool row, count.Bind(map.row_id).Step());
+  if (!row || count.Int(0) != map.summary.segments) {
+    return Broken(database, NameOf(map) + ": its count of segments is wrong");
+  }
+  LandmarkCounter counter;
+  for (std::int64_t id = 0; id < map.summary.segments; ++id) {
+    MAPLOC_RETURN_IF_ERROR(CheckSegment(database, map, static_cast<SegmentId>(id), counter));
+  }
+  MapSummary counted;
+  counter.CountInto(counted);
+  const MapSummary& stored = map.summary;
+  if (counted.points != stored.points || counted.lines != stored.lines ||
+      counted.usable_lines != stored.usable_lines) {
+    return Broken(database, NameOf(map) + ": its counts of landmarks are wrong");
+  }
+  return Status::Ok();
+}
+
+Status CheckSession(SqliteDatabase& database, const Session& session) {
+  const std::string name = "session '" + session.id + "'";
+  MAPLOC_ASSIGN_OR_RETURN(const auto observations, ReadObservations(database, session.id));
+  MAPLOC_ASSIGN_OR_RETURN(const auto rows, ReadRowsOfSession(database, session.id));
+  if (session.end == SessionEnd::kOpen) {
+    if (rows.empty()) return Status::Ok();
+    return Broken(database, name + ": is open but counted");
+  }
+  if (rows != FoldObservations(session, observations)) {
+    return Broken(database, name + ": its rows differ from its queries");
+  }
+  MAPLOC_ASSIGN_OR_RETURN(const SessionSummary kept, ReadSummary(database, session));
+  const SessionSummary counted = SummarizeSession(session.id, session.end, observations, rows);
+  if (kept.queries != counted.queries || kept.localized != counted.localized) {
+    return Broken(database, name + ": its summary differs from its queries");
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+Status VerifySqliteStore(SqliteConnections& connections) {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections.Read());
+  SqliteDatabase& database = reader.database();
+  MAPLOC_RETURN_IF_ERROR(CheckIntegrity(database));
+  MAPLOC_ASSIGN_OR_RETURN(const auto maps, ReadAllMaps(database));
+  for (const StoredMap& map : maps) MAPLOC_RETURN_IF_ERROR(CheckMap(database, map));
+  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, ReadSessions(database));
+  for (const Session& session : sessions) MAPLOC_RETURN_IF_ERROR(CheckSession(database, session));
+  return Status::Ok();
+}
+
+}  // namespace maploc

@@ -1,0 +1,146 @@
+#include "mapstore/store/validation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapstore/base/ids.h"
+
+namespace maploc {
+namespace {
+
+Status ValidateKind(const DescriptorKind& kind, std::string_view field) {
+  if (kind.name.empty()) {
+    if (kind.bytes == 0) return Status::Ok();
+    return InvalidArgument(field, "a kind without a name has no bytes");
+  }
+  if (kind.bytes < 1 || kind.bytes > kMaxDescriptorBytes) {
+    return InvalidArgument(field, "its bytes must be in 1 to " +
+                                      std::to_string(kMaxDescriptorBytes) + ", not " +
+                                      std::to_string(kind.bytes));
+  }
+  if (kind.name.size() > static_cast<std::size_t>(kMaxIdBytes)) {
+    return InvalidArgument(field, "its name is too long");
+  }
+  return Status::Ok();
+}
+
+Status ValidateCounts(const FeatureCounts& counts, std::string_view field) {
+  if (0 <= counts.inliers && counts.inliers <= counts.matches) return Status::Ok();
+  return InvalidArgument(field, "needs 0 <= inliers <= matches");
+}
+
+bool IsSelectable(Strategy strategy) {
+  return strategy == Strategy::k1P1L || strategy == Strategy::k2P || strategy == Strategy::kMixed;
+}
+
+}  // namespace
+
+Status ValidateMapInfo(const MapInfo& info) {
+  const std::string& name = info.key.name;
+  const bool printable = std::none_of(name.begin(), name.end(), [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+  });
+  if (name.empty() || name.size() > static_cast<std::size_t>(kMaxIdBytes) || !printable) {
+    return InvalidArgument("map.name", "must have 1 to " + std::to_string(kMaxIdBytes) +
+                                           " bytes and no control characters");
+  }
+  MAPLOC_RETURN_IF_ERROR(ValidateKind(info.point_descriptor, "map.point_descriptor"));
+  MAPLOC_RETURN_IF_ERROR(ValidateKind(info.line_descriptor, "map.line_descriptor"));
+  const Similarity3& transform = info.map_from_source;
+  const bool good = std::isfinite(transform.scale) && transform.scale > 0.0 &&
+                    transform.translation.allFinite() &&
+                    std::abs(transform.rotation.norm() - 1.0) < 1e-6;
+  if (!good) {
+    return InvalidArgument("map.map_from_source",
+                           "needs a positive scale, a unit rotation and finite numbers");
+  }
+  return Status::Ok();
+}
+
+Status ValidateNewSession(const Session& session) {
+  const bool printable = std::all_of(session.id.begin(), session.id.end(),
+                                     [](char c) { return 0x20 < c && c < 0x7f; });
+  if (session.id.empty() || session.id.size() > static_cast<std::size_t>(kMaxIdBytes) ||
+      !printable) {
+    return InvalidArgument("session.id", "must be 1 to " + std::to_string(kMaxIdBytes) +
+                                             " printable ASCII characters");
+  }
+  if (session.end != SessionEnd::kOpen) {
+    return InvalidArgument("session.end", "a session starts open");
+  }
+  if (session.start_unix_ns < 0) return InvalidArgument("session.start_unix_ns", "is negative");
+  return Status::Ok();
+}
+
+Status ValidateObservation(const Observation& observation) {
+  if (observation.sequence < 1) return InvalidArgument("observation.sequence", "counts from 1");
+  if (observation.segment < -1) return InvalidArgument("observation.segment", "is negative");
+  const Evidence& evidence = observation.evidence;
+  MAPLOC_RETURN_IF_ERROR(ValidateCounts(evidence.points, "observation.points"));
+  MAPLOC_RETURN_IF_ERROR(ValidateCounts(evidence.usable_lines, "observation.usable_lines"));
+  MAPLOC_RETURN_IF_ERROR(ValidateCounts(evidence.vertical_lines, "observation.vertical_lines"));
+  if (!std::isfinite(evidence.gravity_disagreement_rad) || !std::isfinite(evidence.confidence) ||
+      !std::isfinite(observation.total_ms)) {
+    return InvalidArgument("observation", "holds a number that is not finite");
+  }
+  return Status::Ok();
+}
+
+Status ValidateNextSegment(const MapInfo& info, const Segment& segment, SegmentId next) {
+  if (segment.id != next) {
+    return InvalidArgument(
+        "segment.id", "must be " + std::to_string(next) + ", not " + std::to_string(segment.id));
+  }
+  for (std::size_t i = 0; i < segment.path_in_map.size(); ++i) {
+    if (!segment.path_in_map[i].allFinite()) {
+      return InvalidArgument("path_in_map[" + std::to_string(i) + "]", "must be finite");
+    }
+  }
+  return ValidateSegment(info, segment);
+}
+
+Status ValidateSessionEnd(SessionEnd end) {
+  if (end != SessionEnd::kOpen) return Status::Ok();
+  return InvalidArgument("end", "a session ends by somebody");
+}
+
+Status ValidatePin(const std::optional<Strategy>& pinned) {
+  if (!pinned || IsSelectable(*pinned)) return Status::Ok();
+  return InvalidArgument("strategy", "only 1p1l, 2p and mixed can be pinned");
+}
+
+Status EmptyMap(const MapKey& key) {
+  return FailedPrecondition("EMPTY_MAP", "map '" + key.name + "' has no segment to publish");
+}
+
+Status ImportCommitted() {
+  return FailedPrecondition("IMPORT_COMMITTED", "the import is published already");
+}
+
+Status SessionExists(const SessionId& id) {
+  return Status(StatusCode::kAlreadyExists, "SESSION_EXISTS",
+                "session '" + id + "' exists already");
+}
+
+Status SessionClosed(const SessionId& id) {
+  return FailedPrecondition("SESSION_CLOSED",
+                            "session '" + id + "' has ended; start a new one to add to");
+}
+
+Status UnknownMap(const std::string& name) { return NotFound("map '" + name + "'", "UNKNOWN_MAP"); }
+
+Status UnknownMap(const MapKey& key) {
+  return NotFound("map '" + key.name + "' version " + std::to_string(key.version), "UNKNOWN_MAP");
+}
+
+Status UnknownSegment(const MapKey& key, SegmentId id) {
+  return NotFound("segment " + std::to_string(id) + " of map '" + key.name + "' version " +
+                      std::to_string(key.version),
+                  "UNKNOWN_SEGMENT");
+}
+
+Status UnknownSession(const SessionId& id) {
+  return NotFound("session '" + id + "'", "UNKNOWN_SESSION");
+}
+
+}  // namespace maploc

@@ -1,0 +1,37 @@
+// What every store refuses, whatever it keeps its data in. Errors name the field.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "mapstore/base/status.h"
+#include "mapstore/model/map.h"
+#include "mapstore/model/session.h"
+
+namespace maploc {
+
+// Name (1 to kMaxIdBytes bytes, no control characters), kinds, and a similarity with finite
+// numbers, a positive scale and a unit rotation.
+Status ValidateMapInfo(const MapInfo& info);
+// Id (printable ASCII), that it is open, and that its times are not negative.
+Status ValidateNewSession(const Session& session);
+// A sequence from 1, a segment from -1, counts that fit each other, finite numbers.
+Status ValidateObservation(const Observation& observation);
+// ValidateSegment, the path's numbers, and that its id is the one that comes next.
+Status ValidateNextSegment(const MapInfo& info, const Segment& segment, SegmentId next);
+// A session ends by somebody. (It may end before it started: a clock can be set back.)
+Status ValidateSessionEnd(SessionEnd end);
+// A pin is one of the selector's strategies.
+Status ValidatePin(const std::optional<Strategy>& pinned);
+
+// The failures that all stores tell in the same words.
+Status EmptyMap(const MapKey& key);
+Status ImportCommitted();
+Status SessionExists(const SessionId& id);
+Status SessionClosed(const SessionId& id);
+Status UnknownMap(const std::string& name);
+Status UnknownMap(const MapKey& key);
+Status UnknownSegment(const MapKey& key, SegmentId id);
+Status UnknownSession(const SessionId& id);
+
+}  // namespace maploc
