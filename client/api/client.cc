@@ -1,5 +1,6 @@
 #include "client/api/client.h"
 
+#include <algorithm>
 #include <random>
 #include <thread>
 
@@ -66,6 +67,21 @@ std::string NewRequestId() {
 }
 
 enum class Repeat { kNever, kSafe };
+
+// Callers index their features with what came over the wire.
+Status CheckMatches(const Localization& answer, const Query& query) {
+  const auto outside = [](const std::vector<FeatureMatch>& matches, std::size_t features) {
+    return std::ranges::any_of(matches, [features](const FeatureMatch& match) {
+      return match.feature < 0 || static_cast<std::size_t>(match.feature) >= features;
+    });
+  };
+  const View& view = query.views.front();
+  if (outside(answer.matches.points, view.points.keypoints_px.size()) ||
+      outside(answer.matches.lines, view.lines.starts_px.size())) {
+    return Internal("the server's answer matches a feature that was not sent");
+  }
+  return Status::Ok();
+}
 
 }  // namespace
 
@@ -173,7 +189,9 @@ Result<Localization> Client::Localize(const Query& query, bool include_matches) 
   const Repeat repeat = query.session.empty() ? Repeat::kSafe : Repeat::kNever;
   MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->localization, &v1::LocalizationService::Stub::Localize,
                                      request, &response, repeat));
-  return LocalizationFromProto(response, query.map);
+  MAPLOC_ASSIGN_OR_RETURN(Localization answer, LocalizationFromProto(response, query.map));
+  MAPLOC_RETURN_IF_ERROR(CheckMatches(answer, query));
+  return answer;
 }
 
 Result<SessionSummary> Client::EndSession(const SessionId& session) const {

@@ -1,0 +1,36 @@
+// maploc's commands: one file a command, each declared here and added to the command line by
+// main.cc. A command parses its flags with CLI11 and leaves its work in the context; main runs it
+// and turns its Status into the exit code (0 done, 1 failed; wrong usage is 2, by CLI11).
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "mapstore/base/status.h"
+
+namespace maploc {
+
+// What every command shares. Lives as long as the command line's parser.
+struct CommandContext {
+  std::string server;              // --server HOST:PORT
+  bool json = false;               // --json: one document on standard output, all else on error
+  std::function<Status()> chosen;  // the chosen command's work; set by the parser
+};
+
+// Adds a subcommand with --json; `run` is its work. `example` is one command line or more, shown by
+// --help. The caller adds its own flags, bound to variables that outlive the parser (a shared_ptr
+// captured by `run`).
+CLI::App* AddCommand(CLI::App& app, CommandContext& context, const std::string& name,
+                     const std::string& description, const std::string& example,
+                     std::function<Status()> run);
+
+// --server, which every command but the making of a world needs.
+CLI::Option* AddServerFlag(CLI::App& command, CommandContext& context);
+
+void AddLocalizeCommand(CLI::App& app, CommandContext& context);
+void AddReplayCommand(CLI::App& app, CommandContext& context);
+void AddEndSessionCommand(CLI::App& app, CommandContext& context);
+
+}  // namespace maploc

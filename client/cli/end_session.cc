@@ -1,0 +1,33 @@
+#include <iostream>
+#include <memory>
+
+#include "client/api/client.h"
+#include "client/cli/commands.h"
+#include "client/cli/output.h"
+#include "client/cli/replay_report.h"
+
+namespace maploc {
+namespace {
+
+constexpr char kExample[] = "  maploc end-session --server 127.0.0.1:50051 --session ID --json";
+
+Status Run(const CommandContext& context, const SessionId& session) {
+  const Client client(context.server);
+  MAPLOC_ASSIGN_OR_RETURN(const SessionSummary summary, client.EndSession(session));
+  context.json ? PrintJson(SummaryJson(summary)) : PrintSummary(summary, std::cout);
+  return Status::Ok();
+}
+
+}  // namespace
+
+void AddEndSessionCommand(CLI::App& app, CommandContext& context) {
+  auto session = std::make_shared<SessionId>();
+  CLI::App* command =
+      AddCommand(app, context, "end-session",
+                 "End a session; ended once more, it answers the same and changes nothing",
+                 kExample, [&context, session] { return Run(context, *session); });
+  AddServerFlag(*command, context)->required();
+  command->add_option("--session", *session, "the session's id, as replay prints it")->required();
+}
+
+}  // namespace maploc

@@ -1,0 +1,157 @@
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <numbers>
+
+#include "client/api/client.h"
+#include "client/cli/commands.h"
+#include "client/cli/draw.h"
+#include "client/cli/output.h"
+#include "client/cli/recording_flags.h"
+#include "client/robot/camera_file.h"
+#include "mapstore/features/features.h"
+
+namespace maploc {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr char kExample[] =
+    "  maploc localize --server 127.0.0.1:50051 --map yard --image photo.jpg --camera cameras.txt "
+    "\\\n"
+    "      --gravity 0,1,0 --draw answer.png";
+
+struct LocalizeFlags {
+  std::string map;
+  std::string image;
+  std::string camera;
+  std::vector<double> gravity;
+  double gravity_sigma_deg = 1.0;
+  MethodFlags method;
+  std::string draw;
+};
+
+Result<Gravity> ParseGravity(const LocalizeFlags& flags) {
+  const Eigen::Vector3d direction(flags.gravity[0], flags.gravity[1], flags.gravity[2]);
+  if (!direction.allFinite() || direction.norm() < 1e-9) {
+    return InvalidArgument("--gravity",
+                           "must be a finite direction that is not zero, for example 0,1,0");
+  }
+  if (!(flags.gravity_sigma_deg > 0.0) || flags.gravity_sigma_deg > 90.0) {
+    return InvalidArgument("--gravity-sigma-deg", "must be above 0 and at most 90");
+  }
+  return Gravity{direction.normalized(), flags.gravity_sigma_deg * std::numbers::pi / 180.0};
+}
+
+Result<View> ExtractView(const LocalizeFlags& flags, const MapInfo& map) {
+  MAPLOC_ASSIGN_OR_RETURN(Camera camera, ReadCameraFile(flags.camera));
+  MAPLOC_ASSIGN_OR_RETURN(const GrayImage image, LoadGrayImage(flags.image));
+  if (image.width_px != camera.width_px() || image.height_px != camera.height_px()) {
+    return InvalidArgument("--camera", "its size is not that of the image " + flags.image);
+  }
+  View view{std::move(camera), Rigid3{}, {}, {}};
+  if (!map.point_descriptor.name.empty()) {
+    MAPLOC_ASSIGN_OR_RETURN(view.points, DetectPoints(image, map.point_descriptor));
+  }
+  if (!map.line_descriptor.name.empty()) {
+    MAPLOC_ASSIGN_OR_RETURN(view.lines, DetectLines(image));
+  }
+  return view;
+}
+
+Json CountsJson(const FeatureCounts& counts) {
+  return {{"matches", counts.matches}, {"inliers", counts.inliers}};
+}
+
+Json PoseJson(const Localization& answer) {
+  if (!answer.map_from_body) return {};
+  const Eigen::Vector3d& t = answer.map_from_body->translation;
+  const Eigen::Quaterniond& q = answer.map_from_body->rotation;
+  Json covariance = Json::array();
+  for (int i = 0; i < 36; ++i) covariance.push_back(answer.covariance(i / 6, i % 6));
+  return {{"translation", {{"x", t.x()}, {"y", t.y()}, {"z", t.z()}}},
+          {"rotation", {{"x", q.x()}, {"y", q.y()}, {"z", q.z()}, {"w", q.w()}}},
+          {"covariance", std::move(covariance)}};
+}
+
+Json AnswerJson(const Localization& answer) {
+  const Evidence& evidence = answer.evidence;
+  return {{"outcome", OutcomeName(answer.outcome)},
+          {"map_from_body", PoseJson(answer)},
+          {"segment", answer.segment},
+          {"strategy", StrategyName(evidence.strategy)},
+          {"iterations", evidence.iterations},
+          {"points", CountsJson(evidence.points)},
+          {"usable_lines", CountsJson(evidence.usable_lines)},
+          {"vertical_lines", CountsJson(evidence.vertical_lines)},
+          {"confidence", evidence.confidence},
+          {"gravity_disagreement_rad", evidence.gravity_disagreement_rad},
+          {"server_ms", answer.times.total_ms}};
+}
+
+void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& out) {
+  const Evidence& evidence = answer.evidence;
+  out << OutcomeName(answer.outcome) << " in map " << map.key.name << ", segment " << answer.segment
+      << " (" << StrategyName(evidence.strategy) << ", " << evidence.iterations << " iterations, "
+      << FormatNumber(answer.times.total_ms, 1) << " ms)\n";
+  if (answer.map_from_body) {
+    const Rigid3& pose = *answer.map_from_body;
+    const auto sigma = answer.covariance.diagonal().cwiseSqrt();
+    out << "position     " << pose.translation.transpose() << (map.metric ? " m" : " map units")
+        << " (sigma " << sigma.head<3>().transpose() << ")\n"
+        << "orientation  " << pose.rotation.coeffs().transpose() << " (x y z w, sigma "
+        << sigma.tail<3>().transpose() * (180.0 / std::numbers::pi) << " deg)\n";
+  }
+  Table table({"", "inliers", "matches"});
+  const auto row = [&table](const char* name, const FeatureCounts& counts) {
+    table.AddRow({name, std::to_string(counts.inliers), std::to_string(counts.matches)});
+  };
+  row("points", evidence.points);
+  row("usable lines", evidence.usable_lines);
+  row("vertical lines", evidence.vertical_lines);
+  table.Print(out);
+  out << "confidence   " << FormatNumber(evidence.confidence, 4) << "\n";
+}
+
+Status Run(const CommandContext& context, const LocalizeFlags& flags) {
+  Query query;
+  MAPLOC_ASSIGN_OR_RETURN(query.gravity, ParseGravity(flags));
+  const Client client(context.server);
+  MAPLOC_ASSIGN_OR_RETURN(const RemoteMap map, client.GetMap(flags.map));
+  MAPLOC_ASSIGN_OR_RETURN(View view, ExtractView(flags, map.info));
+  query.map = flags.map;
+  query.views.push_back(std::move(view));
+  query.requested_strategy = flags.method.RequestedStrategy();
+  query.refinement = flags.method.RequestedRefinement();
+  MAPLOC_ASSIGN_OR_RETURN(const Localization answer, client.Localize(query, !flags.draw.empty()));
+  if (!flags.draw.empty()) {
+    MAPLOC_RETURN_IF_ERROR(DrawLocalization(flags.image, query.views[0], answer, flags.draw));
+  }
+  context.json ? PrintJson(AnswerJson(answer)) : PrintAnswer(map.info, answer, std::cout);
+  return Status::Ok();
+}
+
+}  // namespace
+
+void AddLocalizeCommand(CLI::App& app, CommandContext& context) {
+  auto flags = std::make_shared<LocalizeFlags>();
+  CLI::App* command = AddCommand(app, context, "localize", "Localize one photo in a map", kExample,
+                                 [&context, flags] { return Run(context, *flags); });
+  AddServerFlag(*command, context)->required();
+  command->add_option("--map", flags->map, "the map's name")->required();
+  command->add_option("--image", flags->image, "the photo")->required();
+  command
+      ->add_option("--camera", flags->camera,
+                   "its calibration: a line of COLMAP's cameras.txt, or an EuRoC sensor.yaml")
+      ->required();
+  command->add_option("--gravity", flags->gravity, "X,Y,Z: down, in the camera's frame")
+      ->required()
+      ->delimiter(',')
+      ->expected(3);
+  command->add_option("--gravity-sigma-deg", flags->gravity_sigma_deg, "its standard deviation")
+      ->capture_default_str();
+  AddMethodFlags(*command, flags->method);
+  command->add_option("--draw", flags->draw, "write the photo with its matches and inliers");
+}
+
+}  // namespace maploc

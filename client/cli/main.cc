@@ -1,0 +1,40 @@
+// maploc: the robot's side of map localization.
+#include <algorithm>
+#include <iostream>
+
+#include "client/cli/commands.h"
+
+namespace maploc {
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+// One line, cause and cure, whatever a server or a library put into the message.
+int Report(const Status& status) {
+  if (status.ok()) return 0;
+  std::string line = "maploc: " + status.ToString();
+  std::ranges::replace(line, '\n', ' ');
+  std::cerr << line << "\n";
+  return kFailed;
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("maploc: localize a robot in a server's map, or replay a recorded one", "maploc");
+  app.require_subcommand(1);
+  CommandContext context;
+  AddLocalizeCommand(app, context);
+  AddReplayCommand(app, context);
+  AddEndSessionCommand(app, context);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : kWrongUsage;
+  }
+  return Report(context.chosen());
+}
+
+}  // namespace
+}  // namespace maploc
+
+int main(int argc, char** argv) { return maploc::Main(argc, argv); }

@@ -1,0 +1,54 @@
+#include "client/cli/recording_flags.h"
+
+namespace maploc {
+
+void AddRecordingFlags(CLI::App& command, RecordingOptions& options) {
+  command
+      .add_option("--colmap", options.model_dir,
+                  "COLMAP model, text or binary, of the reference poses; they are never sent")
+      ->required();
+  command.add_option("--database", options.database, "COLMAP database.db: the points to send");
+  command.add_option("--images", options.images,
+                     "folder of the photos: the lines to send, and the points without --database");
+  CLI::Option* csv =
+      command.add_option("--gravity-csv", options.gravity.csv,
+                         "measured gravity, name,gx,gy,gz: unit, down, camera frame");
+  command
+      .add_option("--gravity-noise-deg", options.gravity.noise_deg,
+                  "gravity from the reference, turned by N(0, S) about the two horizontal axes")
+      ->excludes(csv);
+  command.add_option("--gravity-sigma-deg", options.gravity.sigma_deg,
+                     "standard deviation that is sent (default: the noise, or 1 with a CSV)");
+  command.add_option("--seed", options.gravity.seed, "of the gravity noise")->capture_default_str();
+}
+
+void AddMethodFlags(CLI::App& command, MethodFlags& flags) {
+  command
+      .add_option("--strategy", flags.strategy, "how samples are drawn; auto: the segment's own")
+      ->check(CLI::IsMember({"auto", "1p1l", "2p", "mixed", "p3p"}))
+      ->capture_default_str();
+  command.add_option("--refine", flags.refine, "how the pose is refined")
+      ->check(CLI::IsMember({"auto", "4dof", "6dof"}))
+      ->capture_default_str();
+}
+
+CLI::Validator LabelCheck() {
+  return CLI::Validator(
+      [](std::string& label) {
+        const std::size_t equals = label.find('=');
+        const bool good = equals != std::string::npos && equals > 0;
+        return good ? std::string() : "'" + label + "' is not KEY=VALUE";
+      },
+      "KEY=VALUE");
+}
+
+std::map<std::string, std::string> ParseLabels(const std::vector<std::string>& labels) {
+  std::map<std::string, std::string> parsed;
+  for (const std::string& label : labels) {
+    const std::size_t equals = label.find('=');
+    parsed[label.substr(0, equals)] = label.substr(equals + 1);
+  }
+  return parsed;
+}
+
+}  // namespace maploc

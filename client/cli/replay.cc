@@ -1,0 +1,74 @@
+#include <iostream>
+#include <memory>
+
+#include "client/cli/commands.h"
+#include "client/cli/output.h"
+#include "client/cli/recording_flags.h"
+#include "client/cli/replay_report.h"
+
+namespace maploc {
+namespace {
+
+constexpr char kExample[] =
+    "  maploc replay --server 127.0.0.1:50051 --map yard --colmap session_1 --database database.db "
+    "\\\n"
+    "      --gravity-csv gravity.csv --label season=autumn\n"
+    "  maploc replay --server 127.0.0.1:50051 --map church --colmap query --images photos \\\n"
+    "      --gravity-noise-deg 0.5 --json";
+
+struct ReplayFlags {
+  std::string map;
+  RecordingOptions recording;
+  MethodFlags method;
+  std::string prior = "none";
+  std::string robot = "maploc-replay";
+  std::vector<std::string> labels;
+};
+
+ReplayOptions OptionsFrom(const ReplayFlags& flags) {
+  ReplayOptions options;
+  options.robot = flags.robot;
+  options.labels = ParseLabels(flags.labels);
+  options.strategy = flags.method.RequestedStrategy();
+  options.refinement = flags.method.RequestedRefinement();
+  options.prior = flags.prior == "previous" ? PriorMode::kPrevious : PriorMode::kNone;
+  return options;
+}
+
+Status Run(const CommandContext& context, const ReplayFlags& flags) {
+  const Client client(context.server);
+  MAPLOC_ASSIGN_OR_RETURN(const RemoteMap map, client.GetMap(flags.map));
+  MAPLOC_ASSIGN_OR_RETURN(const RecordedRobot robot,
+                          RecordedRobot::Open(flags.recording, map.info));
+  Result<ReplayReport> report = [&] {
+    Progress progress("replay", robot.QueryCount());
+    return Replay(client, flags.map, robot, OptionsFrom(flags), [&](const ReplayEntry& entry) {
+      progress.Advance(entry.name + " " + std::string(OutcomeName(entry.localization.outcome)));
+    });
+  }();
+  if (!report.ok()) return report.status();
+  context.json ? PrintJson(ReplayJson(map, *report)) : PrintReplay(map, *report, std::cout);
+  return Status::Ok();
+}
+
+}  // namespace
+
+void AddReplayCommand(CLI::App& app, CommandContext& context) {
+  auto flags = std::make_shared<ReplayFlags>();
+  CLI::App* command =
+      AddCommand(app, context, "replay",
+                 "A recorded session: one query a posed image, compared with its reference pose",
+                 kExample, [&context, flags] { return Run(context, *flags); });
+  AddServerFlag(*command, context)->required();
+  command->add_option("--map", flags->map, "the map's name")->required();
+  AddRecordingFlags(*command, flags->recording);
+  AddMethodFlags(*command, flags->method);
+  command->add_option("--prior", flags->prior, "send the last localized position as a hint")
+      ->check(CLI::IsMember({"none", "previous"}))
+      ->capture_default_str();
+  command->add_option("--robot", flags->robot, "the robot's name")->capture_default_str();
+  command->add_option("--label", flags->labels, "KEY=VALUE, kept with the session; repeatable")
+      ->check(LabelCheck());
+}
+
+}  // namespace maploc

@@ -1,0 +1,173 @@
+#include "client/cli/replay_report.h"
+
+#include <ostream>
+
+#include "client/cli/output.h"
+
+namespace maploc {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct LineCounts {
+  int matches;
+  int inliers;
+};
+
+LineCounts AllLines(const Evidence& evidence) {
+  return {evidence.usable_lines.matches + evidence.vertical_lines.matches,
+          evidence.usable_lines.inliers + evidence.vertical_lines.inliers};
+}
+
+Json EntryJson(const ReplayEntry& entry) {
+  const Localization& answer = entry.localization;
+  const LineCounts lines = AllLines(answer.evidence);
+  Json json;
+  json["name"] = entry.name;
+  json["outcome"] = OutcomeName(answer.outcome);
+  json["translation_error_m"] = entry.error ? Json(entry.error->translation_m) : Json();
+  json["rotation_error_deg"] = entry.error ? Json(entry.error->rotation_deg) : Json();
+  json["segment"] = answer.segment;
+  json["strategy"] = StrategyName(answer.evidence.strategy);
+  json["iterations"] = answer.evidence.iterations;
+  json["point_matches"] = answer.evidence.points.matches;
+  json["point_inliers"] = answer.evidence.points.inliers;
+  json["line_matches"] = lines.matches;
+  json["line_inliers"] = lines.inliers;
+  json["confidence"] = answer.evidence.confidence;
+  json["server_ms"] = answer.times.total_ms;
+  json["latency_ms"] = entry.latency_ms;
+  json["strategy_source"] = StrategySourceName(answer.strategy_source);
+  json["fell_back"] = answer.evidence.fell_back;
+  json["scene_depth"] = JsonOrNull(entry.scene_depth);
+  return json;
+}
+
+// Mean share of the server's time that each stage takes.
+Json StageShares(const ReplayReport& report) {
+  StageTimes sum;
+  for (const ReplayEntry& entry : report.entries) {
+    const StageTimes& times = entry.localization.times;
+    sum.convert_ms += times.convert_ms;
+    sum.retrieval_ms += times.retrieval_ms;
+    sum.matching_ms += times.matching_ms;
+    sum.ransac_ms += times.ransac_ms;
+    sum.refinement_ms += times.refinement_ms;
+    sum.total_ms += times.total_ms;
+  }
+  if (sum.total_ms <= 0.0) return Json();
+  return {{"convert", sum.convert_ms / sum.total_ms},
+          {"retrieval", sum.retrieval_ms / sum.total_ms},
+          {"matching", sum.matching_ms / sum.total_ms},
+          {"ransac", sum.ransac_ms / sum.total_ms},
+          {"refinement", sum.refinement_ms / sum.total_ms}};
+}
+
+std::vector<std::string> EntryCells(const ReplayEntry& entry) {
+  const Localization& answer = entry.localization;
+  const LineCounts lines = AllLines(answer.evidence);
+  const bool localized = answer.outcome == Outcome::kLocalized;
+  std::optional<double> translation_m;
+  std::optional<double> rotation_deg;
+  if (entry.error) {
+    translation_m = entry.error->translation_m;
+    rotation_deg = entry.error->rotation_deg;
+  }
+  return {entry.name,
+          Colour(localized ? Ink::kGreen : Ink::kYellow, std::string(OutcomeName(answer.outcome))),
+          FormatNumber(translation_m, 3),
+          FormatNumber(rotation_deg, 2),
+          std::to_string(answer.segment),
+          std::string(StrategyName(answer.evidence.strategy)),
+          std::to_string(answer.evidence.iterations),
+          std::to_string(answer.evidence.points.inliers) + "/" +
+              std::to_string(answer.evidence.points.matches),
+          std::to_string(lines.inliers) + "/" + std::to_string(lines.matches),
+          FormatNumber(answer.evidence.confidence, 3),
+          FormatNumber(answer.times.total_ms, 1)};
+}
+
+}  // namespace
+
+Json SummaryJson(const SessionSummary& summary) {
+  Json segments = Json::array();
+  for (const SessionSummary::SegmentChange& change : summary.segments) {
+    segments.push_back({{"segment", change.segment},
+                        {"queries", change.queries},
+                        {"localized", change.localized},
+                        {"strategy_before", StrategyName(change.strategy_before)},
+                        {"strategy_after", StrategyName(change.strategy_after)}});
+  }
+  return {{"session", summary.session},
+          {"ended", summary.end == SessionEnd::kIdle ? "idle" : "by_robot"},
+          {"queries", summary.queries},
+          {"localized", summary.localized},
+          {"segments", std::move(segments)}};
+}
+
+void PrintSummary(const SessionSummary& summary, std::ostream& out) {
+  Table table({"segment", "queries", "localized", "strategy before", "after"});
+  for (const SessionSummary::SegmentChange& change : summary.segments) {
+    table.AddRow({std::to_string(change.segment), std::to_string(change.queries),
+                  std::to_string(change.localized),
+                  std::string(StrategyName(change.strategy_before)),
+                  std::string(StrategyName(change.strategy_after))});
+  }
+  out << "session " << summary.session << ": " << summary.localized << " of " << summary.queries
+      << " queries localized"
+      << (summary.end == SessionEnd::kIdle ? " (closed by the server when idle)" : "") << "\n";
+  table.Print(out);
+}
+
+Json ReplayJson(const RemoteMap& map, const ReplayReport& report) {
+  const Metrics metrics = Summarize(report.Errors());
+  const std::vector<double> latencies_ms = report.LatenciesMs();
+  Json json;
+  json["session"] = report.session;
+  json["queries"] = metrics.queries;
+  json["localized"] = metrics.localized;
+  json["wrong"] = metrics.wrong;
+  json["median_translation_error_m"] = JsonOrNull(metrics.median_translation_error_m);
+  json["median_rotation_error_deg"] = JsonOrNull(metrics.median_rotation_error_deg);
+  for (std::size_t i = 0; i < kRecallThresholds.size(); ++i) {
+    json["recall"][std::string(kRecallThresholds[i].name)] = metrics.recall[i];
+  }
+  json["auc"] = metrics.auc;
+  json["latency_ms"] = {{"p50", JsonOrNull(Quantile(latencies_ms, 0.5))},
+                        {"p99", JsonOrNull(Quantile(latencies_ms, 0.99))}};
+  json["metric"] = map.info.metric;  // false: every "_m" is in the map's unknown unit
+  json["median_translation_error_depth_share"] = JsonOrNull(report.MedianDepthShare());
+  json["server_stage_shares"] = StageShares(report);
+  json["segments"] = SummaryJson(report.summary)["segments"];
+  json["per_query"] = Json::array();
+  for (const ReplayEntry& entry : report.entries) json["per_query"].push_back(EntryJson(entry));
+  return json;
+}
+
+void PrintReplay(const RemoteMap& map, const ReplayReport& report, std::ostream& out) {
+  const std::string unit = map.info.metric ? "m" : "map units";
+  Table table({"query", "outcome", "error " + unit, "deg", "segment", "strategy", "iterations",
+               "points", "lines", "confidence", "server ms"});
+  for (const ReplayEntry& entry : report.entries) table.AddRow(EntryCells(entry));
+  table.Print(out);
+
+  const Metrics metrics = Summarize(report.Errors());
+  const std::vector<double> latencies_ms = report.LatenciesMs();
+  out << "\n"
+      << metrics.localized << " of " << metrics.queries << " localized, " << metrics.wrong
+      << " wrong; median error " << FormatNumber(metrics.median_translation_error_m, 3) << " "
+      << unit << ", " << FormatNumber(metrics.median_rotation_error_deg, 3) << " deg";
+  if (const auto share = report.MedianDepthShare(); share && !map.info.metric) {
+    out << " (" << FormatNumber(100.0 * *share, 2) << "% of the scene's depth)";
+  }
+  out << "\nrecall";
+  for (std::size_t i = 0; i < kRecallThresholds.size(); ++i) {
+    out << "  " << kRecallThresholds[i].name << " " << FormatNumber(metrics.recall[i], 3);
+  }
+  out << "  auc " << FormatNumber(metrics.auc, 3) << "\nlatency p50 "
+      << FormatNumber(Quantile(latencies_ms, 0.5), 1) << " ms, p99 "
+      << FormatNumber(Quantile(latencies_ms, 0.99), 1) << " ms\n\n";
+  PrintSummary(report.summary, out);
+}
+
+}  // namespace maploc

@@ -1,0 +1,61 @@
+// A robot that was recorded: a COLMAP model of reference poses, with the features of its images in
+// a database, or the images themselves.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "client/robot/gravity_source.h"
+#include "client/robot/robot.h"
+#include "mapstore/formats/colmap.h"
+#include "mapstore/model/map.h"
+
+namespace maploc {
+
+struct RecordingOptions {
+  std::string model_dir;  // COLMAP model; its poses are the reference
+  std::string database;   // point features; may be empty
+  std::string images;     // image files at images/NAME; may be empty
+  GravityOptions gravity;
+};
+
+// Features for a map: of its descriptor kinds, and none where it has none. Points come from
+// `database` where given, else from `images`; lines from `images`.
+class RecordedRobot : public Robot {
+ public:
+  // `map` says the kinds and the frame. Error: what is wrong in which file; FAILED_PRECONDITION
+  // (DESCRIPTOR_KIND_MISMATCH) when the database's descriptors cannot become the map's.
+  static Result<RecordedRobot> Open(const RecordingOptions& options, const MapInfo& map);
+
+  int QueryCount() const override { return static_cast<int>(images_.size()); }
+  std::string QueryName(int index) const override { return images_[index].name; }
+  Result<Query> MakeQuery(int index) const override;
+  Rigid3 ReferenceMapFromBody(int index) const override;
+  // From the model's points that the image observes; nullopt where it has none.
+  std::optional<double> SceneDepth(int index) const override;
+
+  // The file of an image; empty without `images`.
+  std::string ImagePath(int index) const;
+
+ private:
+  RecordedRobot(RecordingOptions options, MapInfo map, GravitySource gravity)
+      : options_(std::move(options)), map_(std::move(map)), gravity_(std::move(gravity)) {}
+
+  Rigid3 CameraFromMap(int index) const;
+  Status AddFeatures(int index, View& view) const;
+
+  RecordingOptions options_;
+  MapInfo map_;
+  GravitySource gravity_;
+  ColmapModel model_;
+  std::vector<ColmapImage> images_;  // by name
+  std::map<std::string, ColmapFeatures> features_;
+};
+
+// `points` with the map's kind: the same kind, or a binary one of the same length under another
+// name (COLMAP's database names none), or COLMAP's L1-root SIFT turned into plain SIFT. Else
+// FAILED_PRECONDITION (DESCRIPTOR_KIND_MISMATCH).
+Result<PointFeatures> ConvertToKind(PointFeatures points, const DescriptorKind& kind);
+
+}  // namespace maploc

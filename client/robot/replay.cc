@@ -1,0 +1,100 @@
+#include "client/robot/replay.h"
+
+#include <chrono>
+
+namespace maploc {
+namespace {
+
+// One query's way; keeps the last position for the prior.
+class Runner {
+ public:
+  Runner(const Client& client, const std::string& map, const Robot& robot,
+         const ReplayOptions& options, const SessionId& session)
+      : client_(client), map_(map), robot_(robot), options_(options), session_(session) {}
+
+  Result<ReplayEntry> Run(int index) {
+    MAPLOC_ASSIGN_OR_RETURN(Query query, robot_.MakeQuery(index));
+    query.map = map_;
+    query.session = session_;
+    query.requested_strategy = options_.strategy;
+    query.refinement = options_.refinement;
+    query.prior = prior_;
+
+    const auto start = std::chrono::steady_clock::now();
+    MAPLOC_ASSIGN_OR_RETURN(Localization localization, client_.Localize(query));
+    const std::chrono::duration<double, std::milli> latency =
+        std::chrono::steady_clock::now() - start;
+
+    ReplayEntry entry;
+    entry.name = robot_.QueryName(index);
+    entry.reference_map_from_body = robot_.ReferenceMapFromBody(index);
+    entry.scene_depth = robot_.SceneDepth(index);
+    entry.latency_ms = latency.count();
+    if (localization.map_from_body) {
+      entry.error = ErrorBetween(*localization.map_from_body, entry.reference_map_from_body);
+      Remember(localization.map_from_body->translation);
+    }
+    entry.localization = std::move(localization);
+    return entry;
+  }
+
+ private:
+  void Remember(const Eigen::Vector3d& position_in_map) {
+    if (options_.prior == PriorMode::kPrevious) {
+      prior_ = PosePrior{position_in_map, options_.prior_sigma};
+    }
+  }
+
+  const Client& client_;
+  const std::string& map_;
+  const Robot& robot_;
+  const ReplayOptions& options_;
+  const SessionId& session_;
+  std::optional<PosePrior> prior_;
+};
+
+}  // namespace
+
+std::vector<std::optional<PoseError>> ReplayReport::Errors() const {
+  std::vector<std::optional<PoseError>> errors;
+  for (const ReplayEntry& entry : entries) errors.push_back(entry.error);
+  return errors;
+}
+
+std::vector<double> ReplayReport::LatenciesMs() const {
+  std::vector<double> latencies_ms;
+  for (const ReplayEntry& entry : entries) latencies_ms.push_back(entry.latency_ms);
+  return latencies_ms;
+}
+
+std::optional<double> ReplayReport::MedianDepthShare() const {
+  std::vector<double> shares;
+  for (const ReplayEntry& entry : entries) {
+    if (entry.error && entry.scene_depth) {
+      shares.push_back(entry.error->translation_m / *entry.scene_depth);
+    }
+  }
+  return Quantile(std::move(shares), 0.5);
+}
+
+Result<ReplayReport> Replay(const Client& client, const std::string& map, const Robot& robot,
+                            const ReplayOptions& options, const ReplayObserver& observer) {
+  ReplayReport report;
+  MAPLOC_ASSIGN_OR_RETURN(report.session, client.StartSession(map, options.robot, options.labels));
+  Runner runner(client, map, robot, options, report.session);
+  for (int i = 0; i < robot.QueryCount(); ++i) {
+    Result<ReplayEntry> entry = runner.Run(i);
+    if (!entry.ok()) {
+      // What was answered so far is still worth counting; the first fault is the one to tell.
+      const Result<SessionSummary> ended = client.EndSession(report.session);
+      return entry.status().WithContext("query '" + robot.QueryName(i) + "'" +
+                                        (ended.ok() ? "" : " (and its session stays open)"));
+    }
+    report.entries.push_back(*std::move(entry));
+    if (observer) observer(report.entries.back());
+  }
+  MAPLOC_ASSIGN_OR_RETURN(report.summary, client.EndSession(report.session));
+  return report;
+}
+
+}  // namespace maploc

@@ -1,0 +1,58 @@
+// One session of a robot against a server: start, every query, end, with each answer compared with
+// the reference that the robot keeps to itself.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/api/client.h"
+#include "client/robot/metrics.h"
+#include "client/robot/robot.h"
+
+namespace maploc {
+
+enum class PriorMode {
+  kNone,
+  kPrevious,  // the position of the last localized answer
+};
+
+struct ReplayOptions {
+  std::string robot = "maploc-replay";
+  std::map<std::string, std::string> labels;
+  std::optional<Strategy> strategy;  // unset: the segment's own
+  Refinement refinement = Refinement::kAuto;
+  PriorMode prior = PriorMode::kNone;
+  double prior_sigma = 5.0;  // in the map's unit: how far a robot may come between two queries
+};
+
+struct ReplayEntry {
+  std::string name;
+  Localization localization;
+  Rigid3 reference_map_from_body;
+  std::optional<PoseError> error;     // with a pose alone
+  std::optional<double> scene_depth;  // Robot::SceneDepth
+  double latency_ms = 0.0;            // of the call, as the robot sees it
+};
+
+struct ReplayReport {
+  SessionId session;
+  std::vector<ReplayEntry> entries;
+  SessionSummary summary;
+
+  std::vector<std::optional<PoseError>> Errors() const;
+  std::vector<double> LatenciesMs() const;
+  // Medians over localized queries of known depth of the translation error's share of it.
+  std::optional<double> MedianDepthShare() const;
+};
+
+// Called after each answer, in order.
+using ReplayObserver = std::function<void(const ReplayEntry&)>;
+
+// A fault (not: an answer without a pose) ends the session and is returned with the query's name.
+Result<ReplayReport> Replay(const Client& client, const std::string& map, const Robot& robot,
+                            const ReplayOptions& options, const ReplayObserver& observer);
+
+}  // namespace maploc
