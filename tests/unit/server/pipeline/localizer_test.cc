@@ -1,0 +1,242 @@
+#include "server/pipeline/localizer.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+
+#include "tests/support/drawn_world.h"
+#include "tests/support/seed.h"
+
+namespace maploc {
+namespace {
+
+using testing::DrawnWorld;
+using ::testing::HasSubstr;
+using testing::QueryNoise;
+
+std::shared_ptr<const MapSnapshot> Snapshot(const DrawnWorld& world,
+                                            const StrategyDecision& decision = {}) {
+  std::vector<MapSnapshot::Entry> entries;
+  for (const auto& segment : world.segments()) entries.push_back({segment, decision});
+  return BuildMapSnapshot(world.info(), entries).value();
+}
+
+double PositionError(const Localization& answer, const Rigid3& camera_from_map,
+                     const Rigid3& camera_from_body = {}) {
+  const Rigid3 truth = camera_from_map.Inverse() * camera_from_body;
+  return (answer.map_from_body->translation - truth.translation).norm();
+}
+
+class LocalizerTest : public ::testing::Test {
+ protected:
+  Result<Localization> Run(const Query& query) {
+    return Localize(query, *snapshot_, options_, kNoDeadline, nullptr);
+  }
+
+  Random random_ = testing::TestRandom();
+  DrawnWorld world_{testing::TestRandom(1)};
+  std::shared_ptr<const MapSnapshot> snapshot_ = Snapshot(world_);
+  LocalizerOptions options_;
+  Rigid3 camera_from_map_ = DrawnWorld::CameraFromMapAt(16.0, 0.6);
+};
+
+TEST_F(LocalizerTest, FindsTheRobotInTheSegmentThatItSees) {
+  const Query query = world_.See(camera_from_map_, {}, random_);
+  const auto answer = Run(query);
+  ASSERT_TRUE(answer.ok()) << answer.status().ToString();
+  ASSERT_EQ(answer->outcome, Outcome::kLocalized);
+  EXPECT_LT(PositionError(*answer, camera_from_map_), 0.05);
+  EXPECT_EQ(answer->map, world_.info().key);
+  EXPECT_TRUE(answer->segment == 1 || answer->segment == 2) << answer->segment;
+  EXPECT_GE(answer->evidence.confidence, options_.min_confidence);
+  EXPECT_GT(answer->covariance.trace(), 0.0);
+  EXPECT_EQ(answer->strategy_source, StrategySource::kDefault);
+}
+
+TEST_F(LocalizerTest, EvidenceCountsWhatTheFlagsSay) {
+  const auto answer = Run(world_.See(camera_from_map_, {}, random_));
+  ASSERT_TRUE(answer.ok());
+  const Evidence& evidence = answer->evidence;
+  const auto ones = [](const std::vector<std::uint8_t>& flags) {
+    return static_cast<int>(std::count(flags.begin(), flags.end(), 1));
+  };
+  EXPECT_EQ(evidence.points.matches, static_cast<int>(answer->matches.points.size()));
+  EXPECT_EQ(evidence.points.inliers, ones(answer->point_match_inlier));
+  EXPECT_EQ(evidence.usable_lines.matches + evidence.vertical_lines.matches,
+            static_cast<int>(answer->matches.lines.size()));
+  EXPECT_EQ(evidence.usable_lines.inliers + evidence.vertical_lines.inliers,
+            ones(answer->line_match_inlier));
+  EXPECT_GT(evidence.vertical_lines.inliers, 0);
+  EXPECT_GT(evidence.usable_lines.inliers, 0);
+}
+
+// The statistics must not depend on the strategy that found the pose.
+TEST_F(LocalizerTest, EveryStrategyGivesTheSameEvidence) {
+  Query query = world_.See(camera_from_map_, {}, random_);
+  query.requested_strategy = Strategy::k2P;
+  const auto two_points = Run(query);
+  query.requested_strategy = Strategy::k1P1L;
+  const auto point_line = Run(query);
+  ASSERT_TRUE(two_points.ok() && point_line.ok());
+  EXPECT_EQ(two_points->evidence.strategy, Strategy::k2P);
+  EXPECT_EQ(point_line->evidence.strategy, Strategy::k1P1L);
+  EXPECT_EQ(two_points->evidence.points.matches, point_line->evidence.points.matches);
+  EXPECT_NEAR(two_points->evidence.points.inliers, point_line->evidence.points.inliers, 2);
+  EXPECT_NEAR(two_points->evidence.usable_lines.inliers, point_line->evidence.usable_lines.inliers,
+              1);
+  EXPECT_NEAR(two_points->evidence.vertical_lines.inliers,
+              point_line->evidence.vertical_lines.inliers, 1);
+}
+
+TEST_F(LocalizerTest, ARequestedStrategyGoesBeforeTheSegments) {
+  snapshot_ = Snapshot(world_, {Strategy::k2P, StrategySource::kLearned, "", 0.5});
+  Query query = world_.See(camera_from_map_, {}, random_);
+  EXPECT_EQ(Run(query)->evidence.strategy, Strategy::k2P);
+  EXPECT_EQ(Run(query)->strategy_source, StrategySource::kLearned);
+  query.requested_strategy = Strategy::k1P1L;
+  EXPECT_EQ(Run(query)->evidence.strategy, Strategy::k1P1L);
+  EXPECT_EQ(Run(query)->strategy_source, StrategySource::kRequested);
+}
+
+TEST_F(LocalizerTest, AStrategyThatCannotBeDrawnFallsBackAndSaysSo) {
+  Query query = world_.See(camera_from_map_, {.max_lines = 0}, random_);
+  query.requested_strategy = Strategy::k1P1L;
+  const auto answer = Run(query);
+  ASSERT_TRUE(answer.ok());
+  EXPECT_EQ(answer->outcome, Outcome::kLocalized);
+  EXPECT_TRUE(answer->evidence.fell_back);
+  EXPECT_NE(answer->evidence.strategy, Strategy::k1P1L);
+}
+
+TEST_F(LocalizerTest, TheSameRequestGivesTheSameAnswerToTheBit) {
+  Query query = world_.See(camera_from_map_, {.outlier_share = 0.6}, random_);
+  query.request_id = "first";
+  const auto first = Run(query);
+  query.request_id = "second";
+  query.session = "of another session";
+  const auto second = Run(query);
+  ASSERT_TRUE(first.ok() && second.ok());
+  EXPECT_EQ(first->map_from_body->translation, second->map_from_body->translation);
+  EXPECT_EQ(first->map_from_body->rotation.coeffs(), second->map_from_body->rotation.coeffs());
+  EXPECT_EQ(first->covariance, second->covariance);
+  EXPECT_EQ(first->evidence.iterations, second->evidence.iterations);
+}
+
+TEST_F(LocalizerTest, AnswersTheBodysPose) {
+  const Rigid3 camera_from_body{
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, -2, 0.5).normalized())),
+      {0.5, -2.0, 1.0}};
+  const Query query = world_.See(camera_from_map_, {}, random_, camera_from_body);
+  const auto answer = Run(query);
+  ASSERT_TRUE(answer.ok());
+  ASSERT_EQ(answer->outcome, Outcome::kLocalized);
+  EXPECT_LT(PositionError(*answer, camera_from_map_, camera_from_body), 0.08);
+}
+
+TEST_F(LocalizerTest, APriorElsewhereIsOutOfMap) {
+  Query query = world_.See(camera_from_map_, {}, random_);
+  query.prior = PosePrior{{0.0, 500.0, 0.0}, 1.0};
+  const auto answer = Run(query);
+  ASSERT_TRUE(answer.ok());
+  EXPECT_EQ(answer->outcome, Outcome::kOutOfMap);
+  EXPECT_EQ(answer->segment, -1);
+  EXPECT_FALSE(answer->map_from_body);
+}
+
+TEST_F(LocalizerTest, NothingToMatchIsTooFewMatchesInTheBestRankedSegment) {
+  Query query = world_.See(camera_from_map_, {.max_points = 1, .max_lines = 0}, random_);
+  const auto answer = Run(query);
+  ASSERT_TRUE(answer.ok());
+  EXPECT_EQ(answer->outcome, Outcome::kTooFewMatches);
+  EXPECT_GE(answer->segment, 0);
+  EXPECT_FALSE(answer->map_from_body);
+}
+
+TEST_F(LocalizerTest, NothingButOutliersGivesNoPose) {
+  const auto answer = Run(world_.See(camera_from_map_, {.outlier_share = 1.0}, random_));
+  ASSERT_TRUE(answer.ok());
+  EXPECT_TRUE(answer->outcome == Outcome::kNoConsensus ||
+              answer->outcome == Outcome::kLowConfidence)
+      << OutcomeName(answer->outcome);
+  EXPECT_FALSE(answer->map_from_body);
+  EXPECT_LT(answer->evidence.confidence, options_.min_confidence);
+}
+
+// Gravity wrong by eight of its sigmas; the matches are good enough to tell.
+TEST_F(LocalizerTest, AWrongGravityIsToldNotTrusted) {
+  const auto answer = Run(world_.See(
+      camera_from_map_,
+      {.gravity_sigma_rad = 0.005, .gravity_error_rad = 0.04, .outlier_share = 0.1}, random_));
+  ASSERT_TRUE(answer.ok());
+  EXPECT_EQ(answer->outcome, Outcome::kGravityInconsistent) << OutcomeName(answer->outcome);
+  EXPECT_FALSE(answer->map_from_body);
+}
+
+TEST_F(LocalizerTest, AbsentGravityIsRefusedByName) {
+  Query query = world_.See(camera_from_map_, {}, random_);
+  query.gravity.reset();
+  const auto answer = Run(query);
+  ASSERT_FALSE(answer.ok());
+  EXPECT_EQ(answer.status().code(), StatusCode::kInvalidArgument);
+  EXPECT_THAT(answer.status().message(), ::testing::StartsWith("gravity"));
+}
+
+TEST_F(LocalizerTest, OneViewIsServed) {
+  Query query = world_.See(camera_from_map_, {}, random_);
+  query.views.push_back(query.views[0]);
+  EXPECT_EQ(Run(query).status().code(), StatusCode::kInvalidArgument);
+  query.views.clear();
+  EXPECT_EQ(Run(query).status().code(), StatusCode::kInvalidArgument);
+}
+
+TEST_F(LocalizerTest, ADescriptorMismatchNamesBothKinds) {
+  Query query = world_.See(camera_from_map_, {}, random_);
+  query.views[0].points.descriptors.kind.name = "binary32";
+  const auto answer = Run(query);
+  ASSERT_FALSE(answer.ok());
+  EXPECT_EQ(answer.status().code(), StatusCode::kFailedPrecondition);
+  EXPECT_EQ(answer.status().reason(), "DESCRIPTOR_KIND_MISMATCH");
+  EXPECT_THAT(answer.status().message(), HasSubstr("binary32"));
+  EXPECT_THAT(answer.status().message(), HasSubstr("orb"));
+}
+
+TEST_F(LocalizerTest, StopsAtTheDeadlineAndOnCancel) {
+  const Query query = world_.See(camera_from_map_, {}, random_);
+  const auto late =
+      Localize(query, *snapshot_, options_, std::chrono::steady_clock::now(), nullptr);
+  EXPECT_EQ(late.status().code(), StatusCode::kDeadlineExceeded);
+  const std::atomic<bool> cancelled = true;
+  const auto given_up = Localize(query, *snapshot_, options_, kNoDeadline, &cancelled);
+  EXPECT_EQ(given_up.status().code(), StatusCode::kCancelled);
+}
+
+TEST_F(LocalizerTest, StageTimesAddUpToLessThanTheTotal) {
+  const auto answer = Run(world_.See(camera_from_map_, {}, random_));
+  const StageTimes& times = answer->times;
+  EXPECT_GT(times.matching_ms, 0.0);
+  EXPECT_GT(times.ransac_ms, 0.0);
+  EXPECT_GT(times.refinement_ms, 0.0);
+  EXPECT_LE(times.retrieval_ms + times.matching_ms + times.ransac_ms + times.refinement_ms,
+            times.total_ms);
+}
+
+TEST(BuildMapSnapshotTest, RefusesSegmentsOutOfTheirPlace) {
+  const DrawnWorld world(testing::TestRandom());
+  std::vector<MapSnapshot::Entry> entries = {{world.segments()[1], {}}};
+  EXPECT_FALSE(BuildMapSnapshot(world.info(), entries).ok());
+  EXPECT_FALSE(BuildMapSnapshot(world.info(), {{nullptr, {}}}).ok());
+  EXPECT_TRUE(BuildMapSnapshot(world.info(), {}).ok());
+}
+
+TEST(EmptyMapTest, IsOutOfMap) {
+  const DrawnWorld world(testing::TestRandom());
+  Random random = testing::TestRandom(1);
+  const auto snapshot = BuildMapSnapshot(world.info(), {}).value();
+  const Query query = world.See(DrawnWorld::CameraFromMapAt(5.0, 0.5), {}, random);
+  const auto answer = Localize(query, *snapshot, {}, kNoDeadline, nullptr);
+  ASSERT_TRUE(answer.ok());
+  EXPECT_EQ(answer->outcome, Outcome::kOutOfMap);
+}
+
+}  // namespace
+}  // namespace maploc
