@@ -42,6 +42,8 @@ struct SessionRequest {
 // Names: at most kMaxIdBytes, without control characters.
 Result<SessionRequest> SessionRequestFromProto(const v1::StartSessionRequest& request);
 Result<SessionId> SessionIdFromProto(const v1::EndSessionRequest& request);
+// The field `map` of a request about one map.
+Status CheckMapName(const std::string& name);
 
 Result<Query> QueryFromProto(const v1::LocalizeRequest& request);
 // REQUIRES: a valid query.

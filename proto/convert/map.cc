@@ -5,6 +5,8 @@
 
 namespace maploc {
 
+Status CheckMapName(const std::string& name) { return convert::CheckRequiredName("map", name); }
+
 void MapInfoToProto(const MapInfo& info, v1::Map* proto) {
   proto->set_name(info.key.name);
   proto->set_version(info.key.version);
