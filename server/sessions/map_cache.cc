@@ -1,0 +1,171 @@
+#include "server/sessions/map_cache.h"
+
+#include <limits>
+#include <set>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+namespace maploc {
+namespace {
+
+Status MapNotFound(const Status& status, const std::string& name) {
+  if (status.code() != StatusCode::kNotFound) return status;
+  return NotFound("map '" + name + "'", "MAP_NOT_FOUND");
+}
+
+Result<std::vector<MapSnapshot::Entry>> LoadEntries(const MapStore& store, const MapKey& key) {
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments, store.ListSegments(key));
+  std::vector<MapSnapshot::Entry> entries;
+  for (const SegmentSummary& summary : segments) {
+    MAPLOC_ASSIGN_OR_RETURN(std::shared_ptr<const Segment> segment,
+                            store.LoadSegment(key, summary.id));
+    entries.push_back({std::move(segment), summary.decision});
+  }
+  return entries;
+}
+
+// The same map with other strategies; the same pointer where nothing differs.
+MapCache::Snapshot WithStrategies(const MapCache::Snapshot& old,
+                                  const std::vector<SegmentSummary>& segments) {
+  auto changed = std::make_shared<MapSnapshot>(*old);
+  bool differs = false;
+  for (const SegmentSummary& summary : segments) {
+    StrategyDecision& decision = changed->segments.at(summary.id).decision;
+    differs = differs || decision != summary.decision;
+    decision = summary.decision;
+  }
+  return differs ? changed : old;
+}
+
+}  // namespace
+
+MapCache::MapCache(const MapStore* store, const MapCacheOptions& options)
+    : store_(store), options_(options), thread_([this] { Run(); }) {}
+
+MapCache::~MapCache() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  stop_.notify_all();
+  thread_.join();
+}
+
+Result<MapCache::Snapshot> MapCache::Newest(const std::string& name) {
+  if (Snapshot found = FindNewest(name)) return found;
+  const Result<MapSummary> map = store_->GetMap(name);
+  if (!map.ok()) return MapNotFound(map.status(), name);
+  return Get(map->info.key);
+}
+
+Result<MapCache::Snapshot> MapCache::Get(const MapKey& key) {
+  if (Snapshot found = Find(key)) return found;
+  const std::lock_guard load_lock(load_mutex_);
+  if (Snapshot found = Find(key)) return found;
+  return Load(key);
+}
+
+MapCache::Snapshot MapCache::Find(const MapKey& key) {
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) return nullptr;
+  found->second.last_used = std::chrono::steady_clock::now();
+  return found->second.snapshot;
+}
+
+MapCache::Snapshot MapCache::FindNewest(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  auto after = entries_.upper_bound({name, std::numeric_limits<std::int64_t>::max()});
+  if (after == entries_.begin()) return nullptr;
+  --after;
+  if (after->first.name != name) return nullptr;
+  after->second.last_used = std::chrono::steady_clock::now();
+  return after->second.snapshot;
+}
+
+Result<MapCache::Snapshot> MapCache::Load(const MapKey& key) {
+  const Result<MapSummary> map = store_->GetMap(key);
+  if (!map.ok()) return MapNotFound(map.status(), key.name);
+  MAPLOC_ASSIGN_OR_RETURN(std::vector<MapSnapshot::Entry> entries, LoadEntries(*store_, key));
+  MAPLOC_ASSIGN_OR_RETURN(Snapshot snapshot, BuildMapSnapshot(map->info, std::move(entries)));
+  spdlog::info("map '{}' version {} is in memory: {} segments, {} points, {} lines", key.name,
+               key.version, map->segments, map->points, map->lines);
+  {
+    const std::lock_guard lock(mutex_);
+    entries_[key] = {snapshot, std::chrono::steady_clock::now()};
+  }
+  // A decision that was made while this loaded found no entry to change.
+  const std::lock_guard refresh_lock(refresh_mutex_);
+  MAPLOC_RETURN_IF_ERROR(RefreshStrategies(key));
+  return Find(key);
+}
+
+Status MapCache::RefreshStrategies(const MapKey& key) {
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments, store_->ListSegments(key));
+  const std::lock_guard lock(mutex_);
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) return Status::Ok();
+  found->second.snapshot = WithStrategies(found->second.snapshot, segments);
+  return Status::Ok();
+}
+
+Status MapCache::Refresh() {
+  const std::lock_guard refresh_lock(refresh_mutex_);
+  MAPLOC_ASSIGN_OR_RETURN(const std::int64_t counter, store_->ChangeCounter());
+  if (counter == seen_counter_) return Status::Ok();
+  for (const MapKey& key : LoadedKeys()) {
+    MAPLOC_RETURN_IF_ERROR(RefreshStrategies(key));
+  }
+  seen_counter_ = counter;
+  return Status::Ok();
+}
+
+std::vector<MapKey> MapCache::LoadedKeys() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<MapKey> keys;
+  for (const auto& [key, entry] : entries_) keys.push_back(key);
+  return keys;
+}
+
+void MapCache::LoadNewVersions() {
+  std::set<std::string> names;
+  for (const MapKey& key : LoadedKeys()) names.insert(key.name);
+  for (const std::string& name : names) {
+    const Result<MapSummary> map = store_->GetMap(name);
+    const Status status = map.ok() ? Get(map->info.key).status() : map.status();
+    if (!status.ok()) spdlog::error("map '{}' cannot be loaded: {}", name, status.ToString());
+  }
+}
+
+void MapCache::DropUnused() {
+  const auto oldest = std::chrono::steady_clock::now() - options_.keep_unused;
+  const std::lock_guard lock(mutex_);
+  for (auto entry = entries_.begin(); entry != entries_.end();) {
+    const auto next = std::next(entry);
+    const bool newest = next == entries_.end() || next->first.name != entry->first.name;
+    if (!newest && entry->second.last_used < oldest) entries_.erase(entry);
+    entry = next;
+  }
+}
+
+void MapCache::Run() {
+  std::int64_t seen = -1;
+  std::unique_lock lock(mutex_);
+  while (!stopping_) {
+    lock.unlock();
+    const Result<std::int64_t> counter = store_->ChangeCounter();
+    if (const Status status = Refresh(); !status.ok()) {
+      spdlog::error("the store's changes cannot be read: {}", status.ToString());
+    }
+    if (counter.ok() && *counter != seen) {
+      LoadNewVersions();
+      seen = *counter;
+    }
+    DropUnused();
+    lock.lock();
+    stop_.wait_for(lock, options_.poll_interval, [this] { return stopping_; });
+  }
+}
+
+}  // namespace maploc

@@ -1,0 +1,78 @@
+// Map versions in memory, as immutable snapshots that queries share. A thread looks at the store's
+// change counter each `poll_interval`: a new version, a pin or a decision, also of another process,
+// is in force within a second. Nobody waits for a new version: the one before serves until it is
+// loaded.
+//
+// Thread-safe.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "mapstore/base/status.h"
+#include "mapstore/store/map_store.h"
+#include "server/pipeline/map_snapshot.h"
+
+namespace maploc {
+
+struct MapCacheOptions {
+  std::chrono::milliseconds poll_interval{500};
+  // An old version that nobody asked for this long is dropped from memory.
+  std::chrono::milliseconds keep_unused{std::chrono::minutes(10)};
+};
+
+class MapCache {
+ public:
+  using Snapshot = std::shared_ptr<const MapSnapshot>;
+
+  // `store` must outlive the cache.
+  explicit MapCache(const MapStore* store, const MapCacheOptions& options = {});
+  ~MapCache();
+  MapCache(const MapCache&) = delete;
+  MapCache& operator=(const MapCache&) = delete;
+
+  // The newest loaded version of a map, loading the newest one where there is none. NOT_FOUND
+  // (MAP_NOT_FOUND), or the store's errors.
+  Result<Snapshot> Newest(const std::string& name);
+  // One version.
+  Result<Snapshot> Get(const MapKey& key);
+
+  // Sees at once what the store has committed; strategies alone, new versions come with the thread.
+  Status Refresh();
+
+ private:
+  struct Entry {
+    Snapshot snapshot;
+    std::chrono::steady_clock::time_point last_used;
+  };
+
+  void Run();
+  Snapshot Find(const MapKey& key);
+  Snapshot FindNewest(const std::string& name);
+  Result<Snapshot> Load(const MapKey& key);
+  Status RefreshStrategies(const MapKey& key);
+  std::vector<MapKey> LoadedKeys() const;
+  void LoadNewVersions();
+  void DropUnused();
+
+  const MapStore* const store_;
+  const MapCacheOptions options_;
+  std::mutex load_mutex_;           // one load at a time: two queries do not load one map twice
+  std::mutex refresh_mutex_;        // one refresh at a time
+  std::int64_t seen_counter_ = -1;  // guarded by refresh_mutex_
+
+  mutable std::mutex mutex_;  // guards all below; never held over a call of the store
+  std::map<MapKey, Entry> entries_;
+  std::condition_variable stop_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace maploc

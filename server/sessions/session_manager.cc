@@ -1,0 +1,181 @@
+// Start, recovery and the queries of a session; session_writer.cc has what goes to the store later.
+#include "server/sessions/session_manager.h"
+
+#include <algorithm>
+
+#include "server/sessions/open_session.h"
+#include "server/sessions/session_id.h"
+
+namespace maploc {
+namespace {
+
+constexpr std::int64_t kRememberNs = 24ll * 3600 * 1'000'000'000;
+
+Status SessionNotFound(const SessionId& id) {
+  return NotFound("session '" + id + "'", "SESSION_NOT_FOUND");
+}
+
+std::int64_t LastSequence(const std::vector<Observation>& observations) {
+  std::int64_t last = 0;
+  for (const Observation& observation : observations) last = std::max(last, observation.sequence);
+  return last;
+}
+
+Status CheckLabels(const std::map<std::string, std::string>& labels) {
+  for (const auto& [name, value] : labels) {
+    if (name.starts_with(kReservedLabelPrefix)) {
+      return InvalidArgument("labels[" + name + "]", "names under 'maploc.' are the server's own",
+                             "RESERVED_LABEL");
+    }
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+SessionManager::Lease::Lease(SessionManager* manager, std::shared_ptr<Open> open)
+    : manager_(manager), open_(std::move(open)) {}
+
+SessionManager::Lease::~Lease() {
+  if (manager_ == nullptr) return;
+  {
+    const std::lock_guard lock(manager_->mutex_);
+    --open_->running;
+    open_->last_activity = manager_->clock_.SteadyNow();
+  }
+  manager_->changed_.notify_all();
+}
+
+const Session& SessionManager::Lease::session() const { return open_->session; }
+
+void SessionManager::Lease::Record(Observation observation) {
+  const std::lock_guard lock(manager_->mutex_);
+  if (open_->gone) return;  // another process ended the session
+  observation.sequence = open_->next_sequence++;
+  open_->unsaved.push_back(std::move(observation));
+  ++manager_->unsaved_;
+}
+
+SessionManager::SessionManager(MapStore* store, const SessionManagerOptions& options,
+                               const Clock& clock)
+    : store_(store), options_(options), clock_(clock) {}
+
+Result<std::unique_ptr<SessionManager>> SessionManager::Create(MapStore* store,
+                                                               const SessionManagerOptions& options,
+                                                               const Clock& clock) {
+  std::unique_ptr<SessionManager> manager(new SessionManager(store, options, clock));
+  MAPLOC_RETURN_IF_ERROR(manager->Recover().WithContext("taking up open sessions"));
+  manager->thread_ = std::thread([raw = manager.get()] { raw->Run(); });
+  return manager;
+}
+
+SessionManager::~SessionManager() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+Status SessionManager::Recover() {
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<Session> sessions, store_->ListSessions());
+  for (const Session& session : sessions) {
+    Remember(session);
+    if (session.end != SessionEnd::kOpen) continue;
+    MAPLOC_ASSIGN_OR_RETURN(const std::vector<Observation> observations,
+                            store_->ListObservations(session.id));
+    // Idle time counts from now: while the server was down the robot could not ask.
+    open_.emplace(session.id, std::make_shared<Open>(session, LastSequence(observations) + 1,
+                                                     clock_.SteadyNow()));
+  }
+  ForgetOldRequests();
+  return Status::Ok();
+}
+
+void SessionManager::Remember(const Session& session) {
+  const auto label = session.labels.find(kRequestIdLabel);
+  if (label == session.labels.end()) return;
+  remembered_[{session.robot, label->second}] = {session.id, session.map.name,
+                                                 session.start_unix_ns};
+}
+
+void SessionManager::ForgetOldRequests() {
+  const std::int64_t oldest = clock_.NowUnixNanos() - kRememberNs;
+  std::erase_if(remembered_,
+                [oldest](const auto& entry) { return entry.second.start_unix_ns < oldest; });
+}
+
+Result<std::optional<Session>> SessionManager::FindRepeated(const NewSession& request) const {
+  if (request.request_id.empty()) return std::optional<Session>();
+  const auto found = remembered_.find({request.robot, request.request_id});
+  if (found == remembered_.end()) return std::optional<Session>();
+  if (found->second.map_name != request.map.name) {
+    return FailedPrecondition("REQUEST_ID_REUSED",
+                              "request_id '" + request.request_id + "' started a session on map '" +
+                                  found->second.map_name + "'; choose a new one");
+  }
+  MAPLOC_ASSIGN_OR_RETURN(Session session, store_->GetSession(found->second.session));
+  return std::optional<Session>(std::move(session));
+}
+
+Result<Session> SessionManager::Start(const NewSession& request) {
+  MAPLOC_RETURN_IF_ERROR(CheckLabels(request.labels));
+  const std::lock_guard start_lock(start_mutex_);
+  ForgetOldRequests();
+  MAPLOC_ASSIGN_OR_RETURN(std::optional<Session> repeated, FindRepeated(request));
+  if (repeated) return *std::move(repeated);
+  if (open_sessions() >= options_.max_open_sessions) {
+    return ResourceExhausted("TOO_MANY_SESSIONS", "too many sessions are open; end some");
+  }
+  return StartNew(request);
+}
+
+Result<Session> SessionManager::StartNew(const NewSession& request) {
+  Session session;
+  MAPLOC_ASSIGN_OR_RETURN(session.id, NewSessionId());
+  session.map = request.map;
+  session.robot = request.robot;
+  session.labels = request.labels;
+  if (!request.request_id.empty()) session.labels[kRequestIdLabel] = request.request_id;
+  session.start_unix_ns = clock_.NowUnixNanos();
+  MAPLOC_RETURN_IF_ERROR(store_->StartSession(session));
+  Remember(session);
+  const std::lock_guard lock(mutex_);
+  open_.emplace(session.id, std::make_shared<Open>(session, 1, clock_.SteadyNow()));
+  return session;
+}
+
+Result<SessionManager::Lease> SessionManager::Enter(const SessionId& id) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopping_) {
+      return Status(StatusCode::kUnavailable, "SHUTTING_DOWN", "the server is stopping");
+    }
+    if (unsaved_ >= options_.max_unsaved_observations) {
+      return Status(StatusCode::kUnavailable, "STATISTICS_BACKLOG",
+                    "statistics cannot be written; see the server's log");
+    }
+    const auto found = open_.find(id);
+    if (found != open_.end() && !found->second->ending) {
+      ++found->second->running;
+      return Lease(this, found->second);
+    }
+  }
+  return ClosedOrUnknown(id);
+}
+
+Status SessionManager::ClosedOrUnknown(const SessionId& id) const {
+  const Result<Session> session = store_->GetSession(id);
+  if (session.ok()) {
+    return FailedPrecondition("SESSION_CLOSED", "session '" + id + "' has ended; start a new one");
+  }
+  return session.status().code() == StatusCode::kNotFound ? SessionNotFound(id) : session.status();
+}
+
+std::size_t SessionManager::open_sessions() const {
+  const std::lock_guard lock(mutex_);
+  return open_.size();
+}
+
+}  // namespace maploc

@@ -1,0 +1,156 @@
+// The life of sessions: started, fed with one observation a query, ended once. Knows the store's
+// interface alone.
+//
+// A query never waits for the disk: observations are kept in memory and written in groups, at most
+// `flush_interval` later, by a thread of this class. EndSession waits for the session's running
+// queries, so that a query that was answered is always counted. What the store has refused for now
+// stays in memory and is written again.
+//
+// Thread-safe.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "mapstore/base/clock.h"
+#include "mapstore/base/status.h"
+#include "mapstore/model/session.h"
+#include "mapstore/store/map_store.h"
+
+namespace maploc {
+
+struct SessionManagerOptions {
+  // How long an answered query may be lost by a crash (a clean stop loses none).
+  std::chrono::milliseconds flush_interval{250};
+  // A session without queries for this long is ended as kIdle; zero: never.
+  std::chrono::milliseconds idle_timeout{std::chrono::minutes(30)};
+  std::size_t max_open_sessions = 10000;
+  // Queries are refused (UNAVAILABLE) while this many observations wait for a store that fails.
+  std::size_t max_unsaved_observations = 100000;
+};
+
+// What a robot asks for.
+struct NewSession {
+  MapKey map;
+  std::string robot;
+  std::map<std::string, std::string> labels;
+  std::string request_id;  // may be empty: then every start is a new session
+};
+
+// Labels under this prefix are the server's own; the request's id stands there so that a repeated
+// start is known after a restart of the server.
+inline constexpr char kReservedLabelPrefix[] = "maploc.";
+inline constexpr char kRequestIdLabel[] = "maploc.request_id";
+
+class SessionManager {
+  struct Open;
+
+ public:
+  // One running query of an open session: while it lives the session cannot end. Move-only.
+  class Lease {
+   public:
+    Lease(Lease&&) noexcept = default;
+    Lease& operator=(Lease&&) = delete;
+    ~Lease();
+
+    const Session& session() const;
+    // The query's observation; its sequence is given here. REQUIRES: called at most once.
+    void Record(Observation observation);
+
+   private:
+    friend class SessionManager;
+    Lease(SessionManager* manager, std::shared_ptr<Open> open);
+
+    struct Nothing {
+      void operator()(SessionManager*) const {}
+    };
+    std::unique_ptr<SessionManager, Nothing> manager_;  // null once moved from
+    std::shared_ptr<Open> open_;
+  };
+
+  // Takes up the sessions that the store holds open. `store` and `clock` must outlive the manager.
+  static Result<std::unique_ptr<SessionManager>> Create(MapStore* store,
+                                                        const SessionManagerOptions& options = {},
+                                                        const Clock& clock = SystemClock());
+  // Stops without a last flush; call Shutdown before.
+  ~SessionManager();
+  SessionManager(const SessionManager&) = delete;
+  SessionManager& operator=(const SessionManager&) = delete;
+
+  // Repeated with the same robot and request_id within a day it gives the same session, also when
+  // that has ended since. Errors: FAILED_PRECONDITION (REQUEST_ID_REUSED) for another map's name;
+  // INVALID_ARGUMENT (RESERVED_LABEL); RESOURCE_EXHAUSTED (TOO_MANY_SESSIONS); the store's.
+  Result<Session> Start(const NewSession& request);
+
+  // Lets a query in. Errors: NOT_FOUND (SESSION_NOT_FOUND); FAILED_PRECONDITION (SESSION_CLOSED);
+  // UNAVAILABLE (STATISTICS_BACKLOG).
+  Result<Lease> Enter(const SessionId& id);
+
+  // Waits for the session's running queries, then ends it in one transaction. Repeated, also after
+  // a restart: the kept summary. Errors: NOT_FOUND (SESSION_NOT_FOUND); DEADLINE_EXCEEDED: nothing
+  // has changed, the session goes on; the store's.
+  Result<SessionSummary> End(const SessionId& id, Deadline deadline = kNoDeadline);
+
+  // Writes what waits. Called by the thread; public for a clean stop and for tests.
+  Status Flush();
+  // Ends sessions that have been idle too long.
+  void CloseIdle();
+  // No more queries are let in, what waits is written; sessions stay open in the store. Idempotent.
+  Status Shutdown();
+
+  std::size_t open_sessions() const;
+
+ private:
+  using RequestKey = std::pair<std::string, std::string>;  // robot, request_id
+  struct Remembered {
+    SessionId session;
+    std::string map_name;
+    std::int64_t start_unix_ns = 0;
+  };
+
+  SessionManager(MapStore* store, const SessionManagerOptions& options, const Clock& clock);
+  Status Recover();
+  void Run();
+  void Remember(const Session& session);
+  void ForgetOldRequests();
+  Result<std::optional<Session>> FindRepeated(const NewSession& request) const;
+  Result<Session> StartNew(const NewSession& request);
+  Status ClosedOrUnknown(const SessionId& id) const;
+  bool Wait(std::unique_lock<std::mutex>& lock, Deadline deadline,
+            const std::function<bool()>& condition);
+  // Closes the session to queries and waits for those that run. Null: it is not open here.
+  Result<std::shared_ptr<Open>> Claim(const SessionId& id, Deadline deadline);
+  Result<SessionSummary> EndInStore(const SessionId& id) const;
+  // REQUIRES: `open->ending` was set by the caller and nothing runs.
+  Result<SessionSummary> Finish(const std::shared_ptr<Open>& open, SessionEnd end);
+  Status FlushOne(const std::shared_ptr<Open>& open, const std::vector<Observation>& batch);
+  // REQUIRES: mutex_ is held.
+  void Drop(const std::shared_ptr<Open>& open);
+  void EraseSaved(const std::shared_ptr<Open>& open, std::int64_t last_sequence);
+
+  MapStore* const store_;
+  const SessionManagerOptions options_;
+  const Clock& clock_;
+
+  std::mutex start_mutex_;  // one start at a time, so that a repeated one finds the first
+  std::map<RequestKey, Remembered> remembered_;  // guarded by start_mutex_
+  std::mutex flush_mutex_;                       // one flush at a time
+
+  mutable std::mutex mutex_;  // guards all below; never held over a call of the store
+  std::condition_variable changed_;
+  std::map<SessionId, std::shared_ptr<Open>> open_;
+  std::size_t unsaved_ = 0;  // observations in all sessions
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace maploc

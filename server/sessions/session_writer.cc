@@ -1,0 +1,160 @@
+// What reaches the store after the answers: groups of observations, and ends of sessions.
+#include <spdlog/spdlog.h>
+
+#include "server/sessions/open_session.h"
+#include "server/sessions/session_manager.h"
+
+namespace maploc {
+
+void SessionManager::Run() {
+  std::unique_lock lock(mutex_);
+  while (!stopping_) {
+    changed_.wait_for(lock, options_.flush_interval, [this] { return stopping_; });
+    lock.unlock();
+    if (const Status status = Flush(); !status.ok()) {
+      spdlog::error("statistics stay in memory and are written again: {}", status.ToString());
+    }
+    CloseIdle();
+    lock.lock();
+  }
+}
+
+Status SessionManager::Flush() {
+  const std::lock_guard flush_lock(flush_mutex_);
+  std::vector<std::pair<std::shared_ptr<Open>, std::vector<Observation>>> batches;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, open] : open_) {
+      if (!open->unsaved.empty() && !open->ending) batches.emplace_back(open, open->unsaved);
+    }
+  }
+  Status first_error;
+  for (const auto& [open, batch] : batches) {
+    const Status status = FlushOne(open, batch);
+    if (first_error.ok()) first_error = status;
+  }
+  return first_error;
+}
+
+Status SessionManager::FlushOne(const std::shared_ptr<Open>& open,
+                                const std::vector<Observation>& batch) {
+  const Status status = store_->AppendObservations(open->session.id, batch);
+  if (!status.ok() && status.reason() != "SESSION_CLOSED") return status;
+  EraseSaved(open, batch.back().sequence);
+  if (status.ok()) return status;
+  const std::lock_guard lock(mutex_);
+  if (open->ending) return Status::Ok();  // our own End was faster, and took these along
+  spdlog::warn("session {} was ended by another process; {} observations came too late",
+               open->session.id, batch.size());
+  Drop(open);
+  return Status::Ok();
+}
+
+void SessionManager::EraseSaved(const std::shared_ptr<Open>& open, std::int64_t last_sequence) {
+  const std::lock_guard lock(mutex_);
+  unsaved_ -= std::erase_if(open->unsaved, [last_sequence](const Observation& observation) {
+    return observation.sequence <= last_sequence;
+  });
+}
+
+bool SessionManager::Wait(std::unique_lock<std::mutex>& lock, Deadline deadline,
+                          const std::function<bool()>& condition) {
+  if (deadline != kNoDeadline) return changed_.wait_until(lock, deadline, condition);
+  changed_.wait(lock, condition);
+  return true;
+}
+
+Result<std::shared_ptr<SessionManager::Open>> SessionManager::Claim(const SessionId& id,
+                                                                    Deadline deadline) {
+  const Status late(StatusCode::kDeadlineExceeded, "SESSION_BUSY",
+                    "queries of session '" + id + "' are still running; end it again");
+  std::unique_lock lock(mutex_);
+  const auto nobody_ends_it = [&] {
+    const auto found = open_.find(id);
+    return found == open_.end() || !found->second->ending;
+  };
+  if (!Wait(lock, deadline, nobody_ends_it)) return late;
+  const auto found = open_.find(id);
+  if (found == open_.end()) return std::shared_ptr<Open>();
+  const std::shared_ptr<Open> open = found->second;
+  open->ending = true;
+  if (Wait(lock, deadline, [&] { return open->running == 0; })) return open;
+  open->ending = false;
+  changed_.notify_all();
+  return late;
+}
+
+Result<SessionSummary> SessionManager::End(const SessionId& id, Deadline deadline) {
+  MAPLOC_ASSIGN_OR_RETURN(const std::shared_ptr<Open> open, Claim(id, deadline));
+  return open == nullptr ? EndInStore(id) : Finish(open, SessionEnd::kByRobot);
+}
+
+Result<SessionSummary> SessionManager::EndInStore(const SessionId& id) const {
+  Result<SessionSummary> summary =
+      store_->EndSession(id, SessionEnd::kByRobot, clock_.NowUnixNanos(), {});
+  if (summary.ok() || summary.status().code() != StatusCode::kNotFound) return summary;
+  return NotFound("session '" + id + "'", "SESSION_NOT_FOUND");
+}
+
+Result<SessionSummary> SessionManager::Finish(const std::shared_ptr<Open>& open, SessionEnd end) {
+  // Nobody records any more. What a flush is writing at this moment counts once all the same: the
+  // store knows each observation by its sequence.
+  std::vector<Observation> last;
+  {
+    const std::lock_guard lock(mutex_);
+    last = open->unsaved;
+  }
+  Result<SessionSummary> summary =
+      store_->EndSession(open->session.id, end, clock_.NowUnixNanos(), last);
+  {
+    const std::lock_guard lock(mutex_);
+    if (summary.ok()) {
+      Drop(open);
+    } else {
+      open->ending = false;
+    }
+  }
+  changed_.notify_all();
+  return summary;
+}
+
+void SessionManager::Drop(const std::shared_ptr<Open>& open) {
+  open->gone = true;
+  unsaved_ -= open->unsaved.size();
+  open->unsaved.clear();
+  open_.erase(open->session.id);
+}
+
+void SessionManager::CloseIdle() {
+  if (options_.idle_timeout.count() == 0) return;
+  const auto oldest = clock_.SteadyNow() - options_.idle_timeout;
+  std::vector<std::shared_ptr<Open>> idle;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, open] : open_) {
+      if (open->ending || open->running > 0 || open->last_activity > oldest) continue;
+      open->ending = true;
+      idle.push_back(open);
+    }
+  }
+  for (const std::shared_ptr<Open>& open : idle) {
+    const Result<SessionSummary> summary = Finish(open, SessionEnd::kIdle);
+    if (summary.ok()) {
+      spdlog::info("session {} ended: idle, {} queries", open->session.id, summary->queries);
+    } else {
+      spdlog::error("session {} cannot be ended: {}", open->session.id,
+                    summary.status().ToString());
+    }
+  }
+}
+
+Status SessionManager::Shutdown() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  return Flush();
+}
+
+}  // namespace maploc
