@@ -1,0 +1,13 @@
+#include "server/service/handlers.h"
+#include "server/service/map_messages.h"
+
+namespace maploc {
+
+Status HandleGetMap(const ServiceContext& context, const Call&, const v1::GetMapRequest& request,
+                    v1::GetMapResponse* response) {
+  MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*context.store, request.map()));
+  MapSummaryToProto(map, response->mutable_map());
+  return Status::Ok();
+}
+
+}  // namespace maploc

@@ -1,0 +1,21 @@
+#include "server/service/handlers.h"
+#include "server/service/map_messages.h"
+
+namespace maploc {
+
+Status HandleGetSegment(const ServiceContext& context, const Call&,
+                        const v1::GetSegmentRequest& request, v1::GetSegmentResponse* response) {
+  MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*context.store, request.map()));
+  const Result<SegmentSummary> segment =
+      context.store->GetSegment(map.info.key, request.segment_id());
+  if (!segment.ok() && segment.status().code() == StatusCode::kNotFound) {
+    return NotFound(
+        "segment " + std::to_string(request.segment_id()) + " of map '" + request.map() + "'",
+        "SEGMENT_NOT_FOUND");
+  }
+  if (!segment.ok()) return segment.status();
+  SegmentSummaryToProto(*segment, /*with_path=*/true, response->mutable_segment());
+  return Status::Ok();
+}
+
+}  // namespace maploc

@@ -1,0 +1,18 @@
+#include "server/service/handlers.h"
+#include "server/service/map_messages.h"
+
+namespace maploc {
+
+Status HandleListSegments(const ServiceContext& context, const Call&,
+                          const v1::ListSegmentsRequest& request,
+                          v1::ListSegmentsResponse* response) {
+  MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*context.store, request.map()));
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments,
+                          context.store->ListSegments(map.info.key));
+  for (const SegmentSummary& segment : segments) {
+    SegmentSummaryToProto(segment, /*with_path=*/false, response->add_segments());
+  }
+  return Status::Ok();
+}
+
+}  // namespace maploc

@@ -1,0 +1,63 @@
+#include <optional>
+
+#include "proto/convert/convert.h"
+#include "server/pipeline/localizer.h"
+#include "server/service/handlers.h"
+
+namespace maploc {
+namespace {
+
+double MillisecondsSince(std::chrono::steady_clock::time_point start, const Clock& clock) {
+  return std::chrono::duration<double, std::milli>(clock.SteadyNow() - start).count();
+}
+
+Status CheckMap(const Query& query, const Session& session) {
+  if (query.map.empty() || query.map == session.map.name) return Status::Ok();
+  return InvalidArgument("map", "the session is on map '" + session.map.name + "'", "MAP_MISMATCH");
+}
+
+Observation Observe(const Localization& localization, const Clock& clock) {
+  Observation observation;
+  observation.segment = localization.segment;
+  observation.outcome = localization.outcome;
+  observation.evidence = localization.evidence;
+  observation.total_ms = localization.times.total_ms;
+  observation.time_unix_ns = clock.NowUnixNanos();
+  return observation;
+}
+
+double PredictedSuccess(const MapSnapshot& map, SegmentId segment) {
+  if (segment < 0) return 0.0;
+  return map.segments[static_cast<std::size_t>(segment)].decision.predicted_success;
+}
+
+}  // namespace
+
+Status HandleLocalize(const ServiceContext& context, const Call& call,
+                      const v1::LocalizeRequest& request, v1::LocalizeResponse* response) {
+  const auto start = context.clock->SteadyNow();
+  MAPLOC_ASSIGN_OR_RETURN(const Query query, QueryFromProto(request));
+  const double convert_ms = MillisecondsSince(start, *context.clock);
+  // The lease keeps the session open until the observation is recorded.
+  std::optional<SessionManager::Lease> lease;
+  if (!query.session.empty()) {
+    MAPLOC_ASSIGN_OR_RETURN(SessionManager::Lease entered, context.sessions->Enter(query.session));
+    lease.emplace(std::move(entered));
+    MAPLOC_RETURN_IF_ERROR(CheckMap(query, lease->session()));
+  }
+  MAPLOC_ASSIGN_OR_RETURN(
+      const MapCache::Snapshot map,
+      lease ? context.maps->Get(lease->session().map) : context.maps->Newest(query.map));
+  const double load_ms = MillisecondsSince(start, *context.clock) - convert_ms;
+  MAPLOC_ASSIGN_OR_RETURN(Localization answer,
+                          Localize(query, *map, context.localizer, call.deadline, call.cancelled));
+  answer.times.convert_ms = convert_ms;
+  answer.times.retrieval_ms += load_ms;
+  answer.times.total_ms = MillisecondsSince(start, *context.clock);
+  if (lease) lease->Record(Observe(answer, *context.clock));
+  LocalizationToProto(query, answer, request.include_matches(), response);
+  response->set_predicted_success(PredictedSuccess(*map, answer.segment));
+  return Status::Ok();
+}
+
+}  // namespace maploc

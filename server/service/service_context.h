@@ -1,0 +1,30 @@
+// What handlers work with: the domain behind its interfaces, and what is known of one call.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+
+#include "mapstore/base/clock.h"
+#include "mapstore/store/map_store.h"
+#include "server/pipeline/localizer.h"
+#include "server/sessions/map_cache.h"
+#include "server/sessions/session_manager.h"
+
+namespace maploc {
+
+// All outlive the service and are thread-safe.
+struct ServiceContext {
+  MapStore* store = nullptr;
+  SessionManager* sessions = nullptr;
+  MapCache* maps = nullptr;
+  const Clock* clock = &SystemClock();
+  LocalizerOptions localizer;
+};
+
+// One running call.
+struct Call {
+  Deadline deadline = kNoDeadline;
+  const std::atomic<bool>* cancelled = nullptr;  // set when the client has gone; may be null
+};
+
+}  // namespace maploc

@@ -1,0 +1,118 @@
+#include "server/service/services.h"
+
+#include "maploc/v1/localization_service.grpc.pb.h"
+#include "maploc/v1/map_service.grpc.pb.h"
+#include "mapstore/model/descriptor.h"
+#include "proto/convert/convert.h"
+#include "server/service/handlers.h"
+#include "server/service/unary_call.h"
+#include "server/service/worker_pool.h"
+
+namespace maploc {
+namespace {
+
+using Context = grpc::CallbackServerContext;
+using Reactor = grpc::ServerUnaryReactor;
+
+// kMaxFeatures points and as many lines with the largest descriptors, and room for the rest.
+constexpr int kMaxMessageBytes =
+    kMaxFeatures * (2 * 4 + kMaxDescriptorBytes + 4 * 4 + kMaxDescriptorBytes) + (1 << 20);
+
+// Sessions and maps: short reads and transactions that wait for the disk, not for a core.
+constexpr int kStoreThreads = 4;
+constexpr int kMaxWaitingStore = 256;
+
+// Starts a call of one RPC on `pool`.
+template <typename Request, typename Response>
+Reactor* Run(const ServiceContext& services, WorkerPool& pool,
+             Status (*handler)(const ServiceContext&, const Call&, const Request&, Response*),
+             Context* context, const Request* request, Response* response) {
+  return UnaryCall<Request, Response>::Start(services, pool, handler, context, request, response);
+}
+
+class LocalizationImpl final : public v1::LocalizationService::CallbackService {
+ public:
+  LocalizationImpl(const ServiceContext& services, WorkerPool& localize, WorkerPool& store)
+      : services_(services), localize_(localize), store_(store) {}
+
+  Reactor* StartSession(Context* context, const v1::StartSessionRequest* request,
+                        v1::StartSessionResponse* response) override {
+    return Run(services_, store_, HandleStartSession, context, request, response);
+  }
+  Reactor* Localize(Context* context, const v1::LocalizeRequest* request,
+                    v1::LocalizeResponse* response) override {
+    return Run(services_, localize_, HandleLocalize, context, request, response);
+  }
+  Reactor* EndSession(Context* context, const v1::EndSessionRequest* request,
+                      v1::EndSessionResponse* response) override {
+    return Run(services_, store_, HandleEndSession, context, request, response);
+  }
+
+ private:
+  const ServiceContext& services_;
+  WorkerPool& localize_;
+  WorkerPool& store_;
+};
+
+class MapImpl final : public v1::MapService::CallbackService {
+ public:
+  MapImpl(const ServiceContext& services, WorkerPool& store) : services_(services), store_(store) {}
+
+  Reactor* ListMaps(Context* context, const v1::ListMapsRequest* request,
+                    v1::ListMapsResponse* response) override {
+    return Run(services_, store_, HandleListMaps, context, request, response);
+  }
+  Reactor* GetMap(Context* context, const v1::GetMapRequest* request,
+                  v1::GetMapResponse* response) override {
+    return Run(services_, store_, HandleGetMap, context, request, response);
+  }
+  Reactor* ListSegments(Context* context, const v1::ListSegmentsRequest* request,
+                        v1::ListSegmentsResponse* response) override {
+    return Run(services_, store_, HandleListSegments, context, request, response);
+  }
+  Reactor* GetSegment(Context* context, const v1::GetSegmentRequest* request,
+                      v1::GetSegmentResponse* response) override {
+    return Run(services_, store_, HandleGetSegment, context, request, response);
+  }
+
+ private:
+  const ServiceContext& services_;
+  WorkerPool& store_;
+};
+
+}  // namespace
+
+struct Services::Impl {
+  Impl(const ServiceContext& services, const ServicesOptions& options)
+      : context(services),
+        localize(options.localize_threads, options.max_waiting_localize),
+        store(kStoreThreads, kMaxWaitingStore),
+        localization(context, localize, store),
+        maps(context, store) {}
+
+  const ServiceContext context;
+  WorkerPool localize;
+  WorkerPool store;
+  LocalizationImpl localization;
+  MapImpl maps;
+};
+
+Services::Services(const ServiceContext& context, const ServicesOptions& options)
+    : impl_(std::make_unique<Impl>(context, options)) {}
+
+Services::~Services() = default;
+
+void Services::Register(grpc::ServerBuilder* builder) {
+  builder->SetMaxReceiveMessageSize(kMaxMessageBytes);
+  builder->RegisterService(&impl_->localization);
+  builder->RegisterService(&impl_->maps);
+}
+
+bool Services::Drain(Deadline deadline) {
+  impl_->localize.Close();
+  impl_->store.Close();
+  const bool idle = impl_->localize.WaitUntilIdle(deadline);
+  return impl_->store.WaitUntilIdle(deadline) && idle;
+}
+
+}  // namespace maploc

@@ -1,0 +1,24 @@
+#include <spdlog/spdlog.h>
+
+#include "proto/convert/convert.h"
+#include "server/service/handlers.h"
+
+namespace maploc {
+
+Status HandleStartSession(const ServiceContext& context, const Call&,
+                          const v1::StartSessionRequest& request,
+                          v1::StartSessionResponse* response) {
+  MAPLOC_ASSIGN_OR_RETURN(SessionRequest wanted, SessionRequestFromProto(request));
+  // In memory before the first query, which then does not pay for the loading.
+  MAPLOC_ASSIGN_OR_RETURN(const MapCache::Snapshot map, context.maps->Newest(wanted.map));
+  MAPLOC_ASSIGN_OR_RETURN(const Session session,
+                          context.sessions->Start({map->info.key, wanted.robot,
+                                                   std::move(wanted.labels), wanted.request_id}));
+  spdlog::info("session {} of robot '{}' starts on map '{}' version {}", session.id, session.robot,
+               session.map.name, session.map.version);
+  response->set_session_id(session.id);
+  response->set_map_version(session.map.version);
+  return Status::Ok();
+}
+
+}  // namespace maploc

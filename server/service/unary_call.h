@@ -1,0 +1,85 @@
+// One unary RPC between gRPC's callback interface and a handler: admitted to a pool of threads or
+// refused, bounded in time, told when the client goes. Deletes itself when gRPC is done with it.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <exception>
+
+#include <grpcpp/grpcpp.h>
+
+#include "server/service/grpc_status.h"
+#include "server/service/service_context.h"
+#include "server/service/worker_pool.h"
+
+namespace maploc {
+
+// What a client may ask for at most; also the deadline of those that set none.
+inline constexpr std::chrono::seconds kMaxCallTime{60};
+
+template <typename Request, typename Response>
+class UnaryCall final : public grpc::ServerUnaryReactor {
+ public:
+  using Handler = Status (*)(const ServiceContext&, const Call&, const Request&, Response*);
+
+  // `services` and the messages outlive the call; gRPC owns the messages.
+  static grpc::ServerUnaryReactor* Start(const ServiceContext& services, WorkerPool& pool,
+                                         Handler handler, grpc::CallbackServerContext* context,
+                                         const Request* request, Response* response) {
+    auto* call = new UnaryCall(services, handler, context, request, response);
+    const WorkerPool::Admission admission = pool.Submit([call] { call->Run(); });
+    if (admission == WorkerPool::Admission::kFull) {
+      call->FinishWith(ResourceExhausted("QUEUE_FULL", "too many requests wait; try again"));
+    } else if (admission == WorkerPool::Admission::kClosed) {
+      call->FinishWith(Status(StatusCode::kUnavailable, "SHUTTING_DOWN", "the server is stopping"));
+    }
+    return call;
+  }
+
+ private:
+  UnaryCall(const ServiceContext& services, Handler handler, grpc::CallbackServerContext* context,
+            const Request* request, Response* response)
+      : services_(services),
+        handler_(handler),
+        context_(context),
+        request_(request),
+        response_(response),
+        deadline_(SteadyDeadline(*context)) {}
+
+  static Deadline SteadyDeadline(const grpc::CallbackServerContext& context) {
+    const auto left = context.deadline() - std::chrono::system_clock::now();
+    return std::chrono::steady_clock::now() +
+           (left < kMaxCallTime ? std::chrono::duration_cast<std::chrono::nanoseconds>(left)
+                                : kMaxCallTime);
+  }
+
+  void Run() { FinishWith(Handle()); }
+
+  Status Handle() {
+    if (cancelled_) return Status(StatusCode::kCancelled, "CANCELLED", "the client has gone");
+    if (std::chrono::steady_clock::now() >= deadline_) {
+      return Status(StatusCode::kDeadlineExceeded, "DEADLINE_EXCEEDED",
+                    "the deadline passed while the request waited");
+    }
+    // The last line of defence: one request's accident must not take the others along.
+    try {
+      return handler_(services_, {deadline_, &cancelled_}, *request_, response_);
+    } catch (const std::exception& error) {
+      return Internal(error.what());
+    }
+  }
+
+  void FinishWith(const Status& status) { Finish(ToGrpc(status, context_)); }
+  void OnCancel() override { cancelled_ = true; }
+  void OnDone() override { delete this; }
+
+  const ServiceContext& services_;
+  const Handler handler_;
+  grpc::CallbackServerContext* const context_;
+  const Request* const request_;
+  Response* const response_;
+  const Deadline deadline_;
+  std::atomic<bool> cancelled_ = false;
+};
+
+}  // namespace maploc
