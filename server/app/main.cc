@@ -1,0 +1,46 @@
+#include <csignal>
+#include <iostream>
+#include <string>
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "server/app/options.h"
+#include "server/app/server.h"
+
+namespace {
+
+// Blocked before any thread starts, so that every thread leaves them to the waiting main thread.
+sigset_t BlockStopSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+int Fail(const maploc::Status& status) {
+  std::cerr << "maploc-server: " << status.message() << " (" << status.reason() << ")\n";
+  return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const maploc::CommandLine command_line = maploc::ParseCommandLine(argc, argv);
+  if (command_line.exit_code) return *command_line.exit_code;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("maploc-server"));
+  spdlog::set_level(spdlog::level::from_str(command_line.options.log_level));
+
+  const sigset_t signals = BlockStopSignals();
+  auto server = maploc::Server::Start(command_line.options);
+  if (!server.ok()) return Fail(server.status());
+  int signal = 0;
+  sigwait(&signals, &signal);
+  spdlog::info("{}: finishing what runs", signal == SIGINT ? "SIGINT" : "SIGTERM");
+  const maploc::Status status = server.value()->Shutdown();
+  if (!status.ok()) return Fail(status);
+  spdlog::info("stopped; statistics are on disk");
+  return 0;
+}

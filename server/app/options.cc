@@ -1,0 +1,120 @@
+#include "server/app/options.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cstdlib>
+#include <iostream>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace maploc {
+namespace {
+
+constexpr int kWrongUsage = 2;
+constexpr int kUnusable = 1;
+
+constexpr char kFooter[] =
+    "Each option is also read from the environment (MAPLOC_LISTEN, MAPLOC_IDLE_TIMEOUT, ...) and "
+    "from\n"
+    "the configuration file (listen = \"0.0.0.0:50051\"); a flag beats the environment, and that "
+    "the file.\n"
+    "\n"
+    "Example:\n"
+    "  maploc-server --store campus.maploc --listen 0.0.0.0:50051\n";
+
+std::string CheckListen(const std::string& listen) {
+  const std::size_t colon = listen.rfind(':');
+  if (colon == std::string::npos || colon == 0) return "must be HOST:PORT, got '" + listen + "'";
+  int port = -1;
+  const char* end = listen.data() + listen.size();
+  const auto [parsed, error] = std::from_chars(listen.data() + colon + 1, end, port);
+  if (error != std::errc() || parsed != end || port < 0 || port > 65535) {
+    return "the port of '" + listen + "' must be in [0, 65535]";
+  }
+  return "";
+}
+
+void AddOptions(CLI::App& app, ServerOptions& options) {
+  app.add_option("--store", options.store, "The store's file (SQLite); made where it is missing")
+      ->required();
+  app.add_option("--listen", options.listen, "HOST:PORT; port 0 lets the system choose")
+      ->check(CheckListen);
+  app.add_option("--port-file", options.port_file, "The port in use is written here, atomically");
+  app.add_option("--idle-timeout", options.idle_timeout_s,
+                 "Seconds without a query after which a session ends; 0: never")
+      ->check(CLI::Range(0.0, 1e9));
+  app.add_option("--workers", options.workers, "Localizations at the same time; 0: one a core")
+      ->check(CLI::Range(0, 1024));
+  app.add_option("--queue", options.queue, "Localizations that may wait; 0: eight a worker")
+      ->check(CLI::Range(0, 100000));
+  app.add_option("--max-segments", options.localizer.max_segments_tried,
+                 "Segments that are tried for a query, best ranked first")
+      ->check(CLI::Range(1, 10000));
+  app.add_option("--max-error", options.localizer.max_reprojection_error_px,
+                 "Inlier threshold, pixels")
+      ->check(CLI::Range(0.1, 1000.0));
+  app.add_option("--min-confidence", options.localizer.min_confidence,
+                 "A pose of less confidence is not LOCALIZED")
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--seed", options.localizer.seed, "Of the sampling; same seed, same answers");
+  app.add_option("--log-level", options.log_level, "debug, info, warn or error")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
+}
+
+// "--idle-timeout" -> "MAPLOC_IDLE_TIMEOUT".
+std::string EnvironmentName(const std::string& flag) {
+  std::string name = "MAPLOC_" + flag.substr(2);
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
+    return c == '-' ? '_' : static_cast<char>(std::toupper(c));
+  });
+  return name;
+}
+
+// CLI11 lets the file beat the environment. So the environment's values become flags that stand
+// before the real ones: of several the last counts.
+std::vector<std::string> WithEnvironment(const CLI::App& app, int argc, const char* const* argv) {
+  std::vector<std::string> arguments;
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string flag = "--" + option->get_single_name();
+    const char* value = std::getenv(EnvironmentName(flag).c_str());
+    if (option->get_items_expected_max() == 0 || value == nullptr) continue;
+    arguments.push_back(flag + "=" + value);
+  }
+  arguments.insert(arguments.end(), argv + 1, argv + argc);
+  return arguments;
+}
+
+int Explain(const CLI::App& app, const CLI::ParseError& error) {
+  if (error.get_exit_code() == 0) return app.exit(error);
+  std::cerr << "maploc-server: " << error.what() << "; see maploc-server --help\n";
+  const bool of_the_file = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::FileError) ||
+                           error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ConfigError);
+  return of_the_file ? kUnusable : kWrongUsage;
+}
+
+}  // namespace
+
+CommandLine ParseCommandLine(int argc, const char* const* argv) {
+  CommandLine result;
+  CLI::App app("Serves the maps of a store: robots' sessions and poses.", "maploc-server");
+  app.option_defaults()
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+      ->always_capture_default();
+  app.footer(kFooter);
+  app.set_version_flag("--version", MAPLOC_VERSION);
+  AddOptions(app, result.options);
+  app.set_config("--config", "", "Configuration file (TOML or INI)");
+  app.allow_config_extras(CLI::config_extras_mode::error);
+  std::vector<std::string> arguments = WithEnvironment(app, argc, argv);
+  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
+  try {
+    app.parse(arguments);
+  } catch (const CLI::ParseError& error) {
+    result.exit_code = Explain(app, error);
+  }
+  return result;
+}
+
+}  // namespace maploc

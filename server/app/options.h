@@ -1,0 +1,33 @@
+// The server's command line: built-in defaults < configuration file < environment (MAPLOC_...) <
+// flag.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "server/pipeline/localizer.h"
+
+namespace maploc {
+
+struct ServerOptions {
+  std::string store;                       // path of the SQLite file; a missing one is created
+  std::string listen = "127.0.0.1:50051";  // HOST:PORT; port 0 lets the system choose
+  std::string port_file;                   // empty: none
+  std::string log_level = "info";
+  int workers = 0;                 // localizations at the same time; 0: one a core
+  int queue = 0;                   // waiting ones; 0: eight a worker
+  double idle_timeout_s = 1800.0;  // 0: never
+  LocalizerOptions localizer;
+};
+
+struct CommandLine {
+  ServerOptions options;
+  std::optional<int> exit_code;  // set where there is nothing to serve: help, version, wrong usage
+};
+
+// Prints help to standard output and errors to standard error. Exit codes: 2 wrong usage, 1 a
+// configuration file that does not exist or cannot be used.
+CommandLine ParseCommandLine(int argc, const char* const* argv);
+
+}  // namespace maploc

@@ -1,0 +1,140 @@
+#include "server/app/server.h"
+
+#include <filesystem>
+#include <thread>
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <spdlog/spdlog.h>
+
+#include "mapstore/store/sqlite_store.h"
+#include "server/app/port_file.h"
+
+namespace maploc {
+namespace {
+
+constexpr int kWaitingAWorker = 8;
+
+int Workers(const ServerOptions& options) {
+  if (options.workers > 0) return options.workers;
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+Result<std::unique_ptr<MapStore>> OpenStore(const std::string& path) {
+  std::error_code ignored;
+  const bool exists = std::filesystem::exists(path, ignored);
+  SqliteStoreOptions store_options;
+  store_options.sweep_abandoned_imports = true;
+  MAPLOC_ASSIGN_OR_RETURN(std::unique_ptr<MapStore> store, OpenSqliteStore(path, store_options));
+  if (!exists) spdlog::info("{} did not exist: made a fresh store", path);
+  return store;
+}
+
+// Before the first server is built; once a process.
+void EnablePlugins() {
+  static const bool done = [] {
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    return true;
+  }();
+  (void)done;
+}
+
+}  // namespace
+
+Server::Server(const ServerOptions& options, std::unique_ptr<MapStore> store)
+    : options_(options), store_(std::move(store)) {}
+
+Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
+  // A port of an earlier run must not be taken for ours.
+  if (!options.port_file.empty()) RemovePortFile(options.port_file);
+  MAPLOC_ASSIGN_OR_RETURN(std::unique_ptr<MapStore> store, OpenStore(options.store));
+  std::unique_ptr<Server> server(new Server(options, std::move(store)));
+  MAPLOC_RETURN_IF_ERROR(server->StartDomain());
+  MAPLOC_RETURN_IF_ERROR(server->Listen());
+  if (!options.port_file.empty()) {
+    MAPLOC_RETURN_IF_ERROR(WritePortFile(options.port_file, server->port_));
+  }
+  return server;
+}
+
+Status Server::StartDomain() {
+  SessionManagerOptions sessions;
+  sessions.idle_timeout =
+      std::chrono::milliseconds(static_cast<std::int64_t>(options_.idle_timeout_s * 1000));
+  MAPLOC_ASSIGN_OR_RETURN(sessions_, SessionManager::Create(store_.get(), sessions));
+  maps_ = std::make_unique<MapCache>(store_.get());
+  ServiceContext context;
+  context.store = store_.get();
+  context.sessions = sessions_.get();
+  context.maps = maps_.get();
+  context.localizer = options_.localizer;
+  const int workers = Workers(options_);
+  const int queue = options_.queue > 0 ? options_.queue : kWaitingAWorker * workers;
+  services_ = std::make_unique<Services>(context, ServicesOptions{workers, queue});
+  if (sessions_->open_sessions() > 0) {
+    spdlog::info("{} open sessions go on", sessions_->open_sessions());
+  }
+  return Status::Ok();
+}
+
+Status Server::Listen() {
+  EnablePlugins();
+  grpc::ServerBuilder builder;
+  builder.AddListeningPort(options_.listen, grpc::InsecureServerCredentials(), &port_);
+  // Else a second server would share the port and take half of the requests.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  services_->Register(&builder);
+  grpc_server_ = builder.BuildAndStart();
+  if (grpc_server_ == nullptr || port_ == 0) {
+    return Status(StatusCode::kUnavailable, "CANNOT_LISTEN",
+                  "cannot listen on " + options_.listen +
+                      "; is the port in use, or the host not this machine's?");
+  }
+  spdlog::info("serving {} on port {} with {} workers", options_.store, port_, Workers(options_));
+  return Status::Ok();
+}
+
+Status Server::Shutdown() {
+  {
+    std::unique_lock lock(mutex_);
+    if (state_ != State::kServing) {
+      changed_.wait(lock, [this] { return state_ == State::kStopped; });
+      return stopped_;
+    }
+    state_ = State::kStopping;
+  }
+  const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
+  if (grpc_server_ != nullptr) {
+    grpc_server_->GetHealthCheckService()->SetServingStatus(false);
+    if (!services_->Drain(deadline)) spdlog::warn("some requests are cut off unfinished");
+    // Nothing of ours runs any more; what is left are watchers of the health.
+    grpc_server_->Shutdown(std::chrono::system_clock::now());
+    grpc_server_->Wait();
+  }
+  const Status status = sessions_ != nullptr ? sessions_->Shutdown() : Status::Ok();
+  if (!options_.port_file.empty()) RemovePortFile(options_.port_file);
+  {
+    const std::lock_guard lock(mutex_);
+    state_ = State::kStopped;
+    stopped_ = status;
+  }
+  changed_.notify_all();
+  return status;
+}
+
+void Server::WaitForShutdown() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return state_ == State::kStopped; });
+}
+
+Server::~Server() {
+  if (const Status status = Shutdown(); !status.ok()) {
+    spdlog::error("statistics are not on disk: {}", status.ToString());
+  }
+  // In this order: calls first, then what they use.
+  grpc_server_.reset();
+  services_.reset();
+}
+
+}  // namespace maploc

@@ -1,0 +1,66 @@
+// The server's life in one object: store, sessions, maps, services and the listening port. main()
+// runs one; tests run it in their own process.
+//
+// Thread-safe, construction and destruction apart.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include <grpcpp/grpcpp.h>
+
+#include "mapstore/base/status.h"
+#include "mapstore/store/map_store.h"
+#include "server/app/options.h"
+#include "server/service/services.h"
+#include "server/sessions/map_cache.h"
+#include "server/sessions/session_manager.h"
+
+namespace maploc {
+
+// How long running requests may go on after the end was asked for.
+inline constexpr std::chrono::seconds kDrainTime{10};
+
+class Server {
+ public:
+  // Opens (or makes) the store, sweeps abandoned imports, takes up open sessions, listens, and
+  // writes the port file: when it returns ok, the server answers. Errors name the cause and the
+  // cure.
+  static Result<std::unique_ptr<Server>> Start(const ServerOptions& options);
+  // Shuts down.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  int port() const { return port_; }
+
+  // Health turns NOT_SERVING, new requests are refused, running ones finish (kDrainTime at most),
+  // observations reach the disk. Sessions stay open for the next start. Idempotent; returns the
+  // store's last word.
+  Status Shutdown();
+  // Until somebody calls Shutdown, and that is done.
+  void WaitForShutdown();
+
+ private:
+  Server(const ServerOptions& options, std::unique_ptr<MapStore> store);
+  Status StartDomain();
+  Status Listen();
+
+  const ServerOptions options_;
+  int port_ = 0;
+  std::unique_ptr<MapStore> store_;
+  std::unique_ptr<SessionManager> sessions_;
+  std::unique_ptr<MapCache> maps_;
+  std::unique_ptr<Services> services_;
+  std::unique_ptr<grpc::Server> grpc_server_;
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  enum class State { kServing, kStopping, kStopped } state_ = State::kServing;
+  Status stopped_;
+};
+
+}  // namespace maploc
