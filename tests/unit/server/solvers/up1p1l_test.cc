@@ -1,0 +1,159 @@
+#include "server/solvers/up1p1l.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/seed.h"
+#include "tests/unit/server/solvers/paper_route.h"
+#include "tests/unit/server/solvers/upright_scene.h"
+
+namespace maploc::testing {
+namespace {
+
+struct PointAndLine {
+  Eigen::Vector3d ray, point;
+  Eigen::Vector3d end_ray1, end_ray2;  // of the image line
+  Eigen::Vector3d line1, line2;        // end points of the map line, not those of the image line
+
+  Eigen::Vector3d normal() const { return end_ray1.cross(end_ray2); }
+  Eigen::Vector3d direction() const { return line2 - line1; }
+};
+
+PointAndLine MakePointAndLine(const UprightScene& scene, Random& random, double scale = 1.0) {
+  PointAndLine made;
+  made.ray = RandomRay(random);
+  made.point = scene.PointInMap(made.ray, scale * random.Uniform(1, 10));
+  made.end_ray1 = RandomRay(random);
+  made.end_ray2 = RandomRay(random);
+  const Eigen::Vector3d a = scene.PointInMap(made.end_ray1, scale * random.Uniform(1, 10));
+  const Eigen::Vector3d b = scene.PointInMap(made.end_ray2, scale * random.Uniform(1, 10));
+  made.line1 = a + random.Uniform(-0.5, 0.2) * (b - a);
+  made.line2 = b + random.Uniform(-0.2, 0.5) * (b - a);
+  return made;
+}
+
+int Solve(const UprightScene& scene, const PointAndLine& sample, Rigid3 poses[2]) {
+  return SolveUp1p1l(scene.gravity_in_camera, sample.ray, sample.point, sample.normal(),
+                     sample.line1, sample.direction(), poses);
+}
+
+TEST(Up1p1l, RecoversRandomPoses) {
+  Random random = TestRandom();
+  std::vector<double> errors;
+  for (int i = 0; i < 20000; ++i) {
+    const UprightScene scene = MakeScene(random, 3.0 * RandomDirection(random));
+    Rigid3 poses[2];
+    const int count = Solve(scene, MakePointAndLine(scene, random), poses);
+    errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
+  }
+  EXPECT_LT(Percentile(errors, 0.999), 1e-11);
+  EXPECT_LT(Percentile(errors, 1.0), 1e-7) << "a pose was missed";
+}
+
+TEST(Up1p1l, NoYawIsSpecial) {
+  Random random = TestRandom();
+  const double cosines[] = {1, 0, -1, 0};
+  const double sines[] = {0, 1, 0, -1};
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    for (int i = 0; i < 1000; ++i) {
+      const UprightScene scene = MakeSceneWithYaw(cosines[quarter], sines[quarter], random);
+      Rigid3 poses[2];
+      const int count = Solve(scene, MakePointAndLine(scene, random), poses);
+      EXPECT_LT(BestRotationError(poses, count, scene.camera_from_map), 1e-8)
+          << 90 * quarter << " degrees, problem " << i;
+    }
+  }
+}
+
+TEST(Up1p1l, HorizontalLinesAwayFromTheHorizonAreNotDegenerate) {
+  Random random = TestRandom();
+  for (int i = 0; i < 2000; ++i) {
+    const UprightScene scene = MakeScene(random);
+    PointAndLine sample = MakePointAndLine(scene, random);
+    const double angle = random.Uniform(0, 2 * std::numbers::pi);
+    sample.line2 = sample.line1 + Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+    // The image line may be seen anywhere along the map line, also by rays behind the image.
+    sample.end_ray1 = scene.camera_from_map * sample.line1;
+    sample.end_ray2 = scene.camera_from_map * sample.line2;
+    const Eigen::Quaterniond aligned_from_camera =
+        CameraFromAligned(scene.gravity_in_camera).conjugate();
+    if (Up1p1lConditioning(aligned_from_camera * sample.normal(), sample.direction()) < 0.05) {
+      continue;
+    }
+    Rigid3 poses[2];
+    const int count = Solve(scene, sample, poses);
+    EXPECT_LT(BestRotationError(poses, count, scene.camera_from_map), 1e-9) << "problem " << i;
+  }
+}
+
+TEST(Up1p1l, MapFiveHundredKilometresFromItsOriginAndScenesOfCentimetres) {
+  Random random = TestRandom();
+  std::vector<double> far;
+  std::vector<double> small;
+  for (int i = 0; i < 1000; ++i) {
+    Rigid3 poses[2];
+    const UprightScene away = MakeScene(random, Eigen::Vector3d(4e5, -3e5, 100));
+    int count = Solve(away, MakePointAndLine(away, random), poses);
+    far.push_back(BestRotationError(poses, count, away.camera_from_map));
+    const UprightScene tiny = MakeScene(random, 0.01 * RandomDirection(random));
+    count = Solve(tiny, MakePointAndLine(tiny, random, 0.01), poses);
+    small.push_back(BestRotationError(poses, count, tiny.camera_from_map));
+  }
+  EXPECT_LT(Percentile(far, 0.5), 1e-9);
+  EXPECT_LT(Percentile(far, 0.99), 1e-7);
+  EXPECT_LT(Percentile(small, 1.0), 1e-7);
+}
+
+TEST(Up1p1l, AVerticalLineGivesNoYaw) {
+  const Eigen::Vector3d normal(0.5, 1, 0);  // aligned: a plane that holds the vertical
+  const Eigen::Vector3d up(0, 0, 2);
+  EXPECT_EQ(Up1p1lConditioning(normal, up), 0);
+  AlignedPose poses[2];
+  EXPECT_EQ(SolveUp1p1l({1, 0, 0}, {3, 0, 0}, normal, {4, 1, 0}, up, poses), 0);
+}
+
+TEST(Up1p1l, AHorizontalLineAtTheCamerasHeightIsDegenerate) {
+  const Eigen::Vector3d normal(0, 0, 1);  // the horizon's plane
+  const Eigen::Vector3d level(1, 2, 0);
+  EXPECT_EQ(Up1p1lConditioning(normal, level), 0);
+}
+
+TEST(Up1p1l, OnAWallSeenHeadOnLinesThroughTheFootOfTheAxisAreDegenerate) {
+  // Level camera at the origin looking along x at the wall x = 4; the foot of the axis is (4, 0,
+  // 0).
+  const Eigen::Vector3d foot(4, 0, 0);
+  const Eigen::Vector3d slanted(0, 1, 1);
+  EXPECT_NEAR(Up1p1lConditioning(foot.cross(foot + slanted), slanted), 0, 1e-12);
+  const Eigen::Vector3d aside(4, 2, -1);
+  EXPECT_GT(Up1p1lConditioning(aside.cross(aside + slanted), slanted), 0.1);
+}
+
+TEST(Up1p1l, APointOnTheImageLineHasNoDepth) {
+  const Eigen::Vector3d ray(0.25, 0.5, 1);
+  const Eigen::Vector3d normal = ray.cross(Eigen::Vector3d(1, 0, 1));
+  AlignedPose poses[2];
+  EXPECT_EQ(SolveUp1p1l(Eigen::Vector3d::Zero(), {1, 1, 1}, normal, {2, 1, 0}, {1, 0, 0}, poses),
+            0);
+}
+
+// The paper's own road, through the frames C1 and W1, ends at the same poses.
+TEST(Up1p1l, AgreesWithThePapersFrames) {
+  Random random = TestRandom();
+  std::vector<double> errors;
+  for (int i = 0; i < 2000; ++i) {
+    const UprightScene scene = MakeScene(random, RandomDirection(random));
+    const PointAndLine sample = MakePointAndLine(scene, random);
+    const std::vector<Rigid3> paper =
+        PaperOnePointOneLine(scene.gravity_in_camera, sample.ray, sample.point, sample.end_ray1,
+                             sample.end_ray2, sample.line1, sample.line2);
+    Rigid3 poses[2];
+    const int count = Solve(scene, sample, poses);
+    for (int k = 0; k < count; ++k) {
+      errors.push_back(BestRotationError(paper.data(), static_cast<int>(paper.size()), poses[k]));
+    }
+  }
+  EXPECT_GE(errors.size(), 2000u);
+  EXPECT_LT(Percentile(errors, 0.99), 1e-9);
+}
+
+}  // namespace
+}  // namespace maploc::testing
