@@ -28,6 +28,10 @@ CLI::App* AddCommand(CLI::App& app, CommandContext& context, const std::string& 
                      const std::string& description, const std::string& example,
                      std::function<Status()> run);
 
+// The flags that many commands have.
+void AddMapOption(CLI::App& command, std::string& name);       // --map, required
+void AddSegmentOption(CLI::App& command, SegmentId& segment);  // --segment, required
+
 // The store at context.store_path, which must exist: a command that reads makes none.
 Result<std::unique_ptr<MapStore>> OpenExistingStore(const CommandContext& context);
 // The same, but created where it does not exist (for imports).

@@ -26,6 +26,8 @@ class Table {
   std::vector<std::vector<std::string>> rows_;  // the header first
 };
 
+// Fixed point.
+std::string FormatNumber(double value, int decimals);
 // "0.734", or "-" where there is no evidence.
 std::string FormatRatio(std::optional<double> ratio);
 // The number, or JSON's null.

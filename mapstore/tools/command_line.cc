@@ -1,0 +1,46 @@
+#include "mapstore/store/sqlite_store.h"
+#include "mapstore/tools/commands.h"
+
+namespace maploc {
+namespace {
+
+Result<std::unique_ptr<MapStore>> OpenStore(const CommandContext& context, bool create) {
+  SqliteStoreOptions options;
+  options.create = create;
+  return OpenSqliteStore(context.store_path, options);
+}
+
+}  // namespace
+
+CLI::App* AddCommand(CLI::App& app, CommandContext& context, const std::string& name,
+                     const std::string& description, const std::string& example,
+                     std::function<Status()> run) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->footer("Example:\n  " + example);
+  command->add_option("--store", context.store_path, "The store's file")
+      ->required()
+      ->type_name("FILE");
+  command->add_flag("--json", context.json, "One JSON document on standard output");
+  command->callback([&context, run = std::move(run)] { context.chosen = run; });
+  return command;
+}
+
+void AddMapOption(CLI::App& command, std::string& name) {
+  command.add_option("--map", name, "The map's name")->required()->type_name("NAME");
+}
+
+void AddSegmentOption(CLI::App& command, SegmentId& segment) {
+  command.add_option("--segment", segment, "The segment, as `segments` lists them")
+      ->required()
+      ->type_name("ID");
+}
+
+Result<std::unique_ptr<MapStore>> OpenExistingStore(const CommandContext& context) {
+  return OpenStore(context, false);
+}
+
+Result<std::unique_ptr<MapStore>> OpenOrCreateStore(const CommandContext& context) {
+  return OpenStore(context, true);
+}
+
+}  // namespace maploc

@@ -1,0 +1,55 @@
+// maploc-map: everything an operator does with a store. Contract: exit code 0 done, 1 failed (one
+// line on standard error), 2 wrong usage.
+#include <iostream>
+
+#include "mapstore/tools/commands.h"
+#ifdef MAPLOC_HAS_IMPORT_COLMAP
+#include "mapstore/tools/import_colmap.h"
+#endif
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+void AddCommands(CLI::App& app, maploc::CommandContext& context) {
+#ifdef MAPLOC_HAS_IMPORT_COLMAP
+  maploc::AddImportColmap(app, context);
+#endif
+  maploc::AddListCommand(app, context);
+  maploc::AddSegmentsCommand(app, context);
+  maploc::AddStatsCommand(app, context);
+  maploc::AddStrategyCommand(app, context);
+  maploc::AddExplainCommand(app, context);
+  maploc::AddSessionsCommand(app, context);
+  maploc::AddVerifyCommand(app, context);
+  maploc::AddBackupCommand(app, context);
+  maploc::AddPlotCommand(app, context);
+}
+
+// A failure's message may quote a file's content; it stays on one line all the same.
+std::string OneLine(std::string text) {
+  for (char& c : text) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  return text;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Makes, inspects and looks after maploc's stores", "maploc-map");
+  app.footer("Each command's --help has an example.");
+  app.require_subcommand(1);
+  maploc::CommandContext context;
+  AddCommands(app, context);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kWrongUsage;
+  }
+  const maploc::Status status = context.chosen();
+  if (status.ok()) return 0;
+  std::cerr << "maploc-map: " << OneLine(status.message()) << "\n";
+  return kFailed;
+}

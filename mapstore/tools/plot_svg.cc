@@ -1,0 +1,130 @@
+#include "mapstore/tools/plot_svg.h"
+
+#include <algorithm>
+#include <sstream>
+#include <string_view>
+
+#include <Eigen/Geometry>
+
+#include "mapstore/tools/output.h"
+
+namespace maploc {
+namespace {
+
+constexpr double kSidePx = 1000.0;
+constexpr double kMarginPx = 40.0;
+constexpr double kLegendPx = 90.0;
+
+std::string_view ColourOf(Strategy strategy) {
+  switch (strategy) {
+    case Strategy::k1P1L:
+      return "#d95f02";
+    case Strategy::k2P:
+      return "#1b9e77";
+    default:
+      return "#7570b3";
+  }
+}
+
+std::string Escape(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '<') {
+      escaped += "&lt;";
+    } else if (c == '&') {
+      escaped += "&amp;";
+    } else {
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+// From the map's plan to the picture: one scale for both axes, y up.
+class Plan {
+ public:
+  void Include(const Eigen::Vector3d& point) { box_.extend(Eigen::Vector2d(point.head<2>())); }
+  std::string X(const Eigen::Vector3d& point) const {
+    return FormatNumber(kMarginPx + (point.x() - box_.min().x()) * Scale(), 1);
+  }
+  std::string Y(const Eigen::Vector3d& point) const {
+    return FormatNumber(kLegendPx + (box_.max().y() - point.y()) * Scale(), 1);
+  }
+  double HeightPx() const { return kLegendPx + kMarginPx + box_.sizes().y() * Scale(); }
+
+ private:
+  double Scale() const {
+    return (kSidePx - 2.0 * kMarginPx) / std::max(box_.sizes().maxCoeff(), 1e-9);
+  }
+
+  Eigen::AlignedBox2d box_;  // empty at first
+};
+
+// Far landmarks would shrink the rest to a dot: the picture shows the paths and a border of a third
+// about them.
+Plan Frame(const std::vector<SegmentSummary>& segments) {
+  Eigen::AlignedBox3d box;
+  for (const SegmentSummary& segment : segments) {
+    for (const Eigen::Vector3d& position : segment.path_in_map) box.extend(position);
+  }
+  if (box.isEmpty()) box.extend(Eigen::Vector3d::Zero());
+  const Eigen::Vector3d border =
+      Eigen::Vector3d::Constant(std::max(box.sizes().maxCoeff() / 3.0, 1.0));
+  Plan plan;
+  plan.Include(box.min() - border);
+  plan.Include(box.max() + border);
+  return plan;
+}
+
+void DrawLandmarks(const Segment& segment, const Plan& plan, std::ostream& svg) {
+  for (const LineSegment3& line : segment.lines.segments_in_map) {
+    svg << "<path d='M" << plan.X(line.start) << " " << plan.Y(line.start) << "L"
+        << plan.X(line.end) << " " << plan.Y(line.end) << "' stroke='#888' stroke-width='1'/>\n";
+  }
+  svg << "<path stroke='#bbb' stroke-width='1.5' stroke-linecap='round' d='";
+  for (const Eigen::Vector3d& point : segment.points.positions_in_map) {
+    svg << "M" << plan.X(point) << " " << plan.Y(point) << "h0";
+  }
+  svg << "'/>\n";
+}
+
+void DrawPath(const SegmentSummary& segment, const Plan& plan, std::ostream& svg) {
+  if (segment.path_in_map.empty()) return;
+  svg << "<polyline fill='none' stroke-width='4' stroke-opacity='0.8' stroke='"
+      << ColourOf(segment.decision.strategy) << "' points='";
+  for (const Eigen::Vector3d& position : segment.path_in_map) {
+    svg << plan.X(position) << "," << plan.Y(position) << " ";
+  }
+  const Eigen::Vector3d& middle = segment.path_in_map[segment.path_in_map.size() / 2];
+  svg << "'/>\n<text x='" << plan.X(middle) << "' y='" << plan.Y(middle) << "'>" << segment.id
+      << "</text>\n";
+}
+
+void DrawLegend(const std::string& title, std::ostream& svg) {
+  svg << "<text x='" << kMarginPx << "' y='30' font-size='20'>" << Escape(title) << "</text>\n";
+  double x = kMarginPx;
+  for (const Strategy strategy : {Strategy::k1P1L, Strategy::k2P, Strategy::kMixed}) {
+    svg << "<text x='" << x << "' y='58' fill='" << ColourOf(strategy) << "'>&#9632; "
+        << StrategyName(strategy) << "</text>\n";
+    x += 90.0;
+  }
+}
+
+}  // namespace
+
+std::string PlotSvg(const std::string& title, const std::vector<SegmentSummary>& segments,
+                    const std::vector<std::shared_ptr<const Segment>>& landmarks) {
+  const Plan plan = Frame(segments);
+  std::ostringstream svg;
+  svg << "<svg xmlns='http://www.w3.org/2000/svg' width='" << kSidePx << "' height='"
+      << FormatNumber(plan.HeightPx(), 0)
+      << "' font-family='sans-serif' font-size='14'>\n<rect width='100%' height='100%' "
+         "fill='white'/>\n";
+  for (const auto& segment : landmarks) DrawLandmarks(*segment, plan, svg);
+  for (const SegmentSummary& segment : segments) DrawPath(segment, plan, svg);
+  DrawLegend(title, svg);
+  svg << "</svg>\n";
+  return svg.str();
+}
+
+}  // namespace maploc

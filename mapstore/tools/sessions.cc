@@ -1,0 +1,104 @@
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <iostream>
+
+#include "mapstore/tools/commands.h"
+#include "mapstore/tools/output.h"
+
+namespace maploc {
+namespace {
+
+struct SessionLine {
+  Session session;
+  std::int64_t queries = 0;
+  std::int64_t localized = 0;
+};
+
+std::string EndName(SessionEnd end) {
+  switch (end) {
+    case SessionEnd::kOpen:
+      return "open";
+    case SessionEnd::kByRobot:
+      return "by_robot";
+    case SessionEnd::kIdle:
+      return "idle";
+  }
+  return "unknown";
+}
+
+// UTC, to the second.
+std::string FormatTime(std::int64_t unix_ns) {
+  const std::time_t seconds = static_cast<std::time_t>(unix_ns / 1'000'000'000);
+  std::tm utc{};
+  std::array<char, 32> text{};
+  if (gmtime_r(&seconds, &utc) == nullptr) return "?";
+  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%SZ", &utc);
+  return text.data();
+}
+
+nlohmann::ordered_json ToJson(const SessionLine& line) {
+  const Session& session = line.session;
+  return {{"session", session.id},
+          {"map", session.map.name},
+          {"version", session.map.version},
+          {"robot", session.robot},
+          {"labels", session.labels},
+          {"start_unix_ns", session.start_unix_ns},
+          {"end_unix_ns", session.end == SessionEnd::kOpen
+                              ? nlohmann::ordered_json(nullptr)
+                              : nlohmann::ordered_json(session.end_unix_ns)},
+          {"state", EndName(session.end)},
+          {"revoked", session.revoked},
+          {"queries", line.queries},
+          {"localized", line.localized}};
+}
+
+void PrintTable(const std::vector<SessionLine>& lines) {
+  Table table(
+      {"session", "map", "version", "robot", "labels", "start", "state", "queries", "localized"});
+  for (const SessionLine& line : lines) {
+    const Session& session = line.session;
+    std::string labels;
+    for (const auto& [name, value] : session.labels) {
+      labels += (labels.empty() ? "" : ", ") + name + "=" + value;
+    }
+    table.AddRow({session.id, session.map.name, std::to_string(session.map.version), session.robot,
+                  labels, FormatTime(session.start_unix_ns),
+                  EndName(session.end) + (session.revoked ? ", revoked" : ""),
+                  std::to_string(line.queries), std::to_string(line.localized)});
+  }
+  table.Print(std::cout);
+}
+
+Result<std::vector<SessionLine>> ReadLines(const MapStore& store) {
+  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, store.ListSessions());
+  std::vector<SessionLine> lines;
+  for (const Session& session : sessions) {
+    MAPLOC_ASSIGN_OR_RETURN(const auto observations, store.ListObservations(session.id));
+    const auto localized =
+        std::count_if(observations.begin(), observations.end(),
+                      [](const Observation& o) { return o.outcome == Outcome::kLocalized; });
+    lines.push_back({session, static_cast<std::int64_t>(observations.size()), localized});
+  }
+  return lines;
+}
+
+Status Sessions(const CommandContext& context) {
+  MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
+  MAPLOC_ASSIGN_OR_RETURN(const auto lines, ReadLines(*store));
+  if (!context.json) return PrintTable(lines), Status::Ok();
+  auto document = nlohmann::ordered_json::array();
+  for (const SessionLine& line : lines) document.push_back(ToJson(line));
+  PrintJson(document);
+  return Status::Ok();
+}
+
+}  // namespace
+
+void AddSessionsCommand(CLI::App& app, CommandContext& context) {
+  AddCommand(app, context, "sessions", "Lists the robots' sessions, oldest first",
+             "maploc-map sessions --store campus.db", [&context] { return Sessions(context); });
+}
+
+}  // namespace maploc
