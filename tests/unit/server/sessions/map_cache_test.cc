@@ -1,0 +1,96 @@
+#include "server/sessions/map_cache.h"
+
+#include <gtest/gtest.h>
+
+#include "mapstore/store/in_memory_store.h"
+#include "tests/support/seed.h"
+#include "tests/support/stored_world.h"
+#include "tests/support/wait_for.h"
+
+namespace maploc {
+namespace {
+
+using namespace std::chrono_literals;
+
+class MapCacheTest : public ::testing::Test {
+ protected:
+  MapCacheTest() : world_(testing::TestRandom(), Tiny()) {
+    key_ = testing::ImportWorld(world_, store_.get());
+  }
+
+  static testing::DrawnWorldOptions Tiny() {
+    testing::DrawnWorldOptions tiny;
+    tiny.points_a_metre = 1;
+    return tiny;
+  }
+  static Strategy StrategyOf(const MapCache::Snapshot& map, SegmentId segment) {
+    return map->segments[segment].decision.strategy;
+  }
+
+  const testing::DrawnWorld world_;
+  const std::unique_ptr<MapStore> store_ = NewInMemoryStore();
+  MapKey key_;
+};
+
+TEST_F(MapCacheTest, LoadsOnceAndShares) {
+  MapCache cache(store_.get());
+  const MapCache::Snapshot map = cache.Newest("street").value();
+  EXPECT_EQ(map->info.key, key_);
+  ASSERT_EQ(map->segments.size(), world_.segments().size());
+  EXPECT_EQ(map->segments[1].segment->points.ids, world_.segments()[1]->points.ids);
+  EXPECT_EQ(cache.Newest("street").value(), map);
+  EXPECT_EQ(cache.Get(key_).value(), map);
+}
+
+TEST_F(MapCacheTest, UnknownMapsAreNotFound) {
+  MapCache cache(store_.get());
+  EXPECT_EQ(cache.Newest("garden").status().reason(), "MAP_NOT_FOUND");
+  EXPECT_EQ(cache.Get({"street", 9}).status().reason(), "MAP_NOT_FOUND");
+}
+
+TEST_F(MapCacheTest, AMapThatWasImportedJustNowIsFound) {
+  MapCache cache(store_.get());
+  ASSERT_TRUE(cache.Newest("street").ok());
+  MapInfo info = world_.info();
+  info.key.name = "garden";
+  auto writer = store_->BeginImport(info).value();
+  ASSERT_TRUE(writer->AddSegment(*world_.segments()[0]).ok());
+  ASSERT_TRUE(writer->Commit().ok());
+  EXPECT_EQ(cache.Newest("garden")->get()->segments.size(), 1u);
+}
+
+TEST_F(MapCacheTest, RefreshSeesAStrategyAndSharesTheSegments) {
+  MapCacheOptions options;
+  options.poll_interval = 1h;
+  MapCache cache(store_.get(), options);
+  const MapCache::Snapshot before = cache.Newest("street").value();
+  ASSERT_TRUE(store_->PinStrategy(key_, 1, Strategy::k2P).ok());
+  EXPECT_EQ(StrategyOf(cache.Newest("street").value(), 1), Strategy::kMixed);
+
+  ASSERT_TRUE(cache.Refresh().ok());
+
+  const MapCache::Snapshot after = cache.Newest("street").value();
+  EXPECT_EQ(StrategyOf(after, 1), Strategy::k2P);
+  EXPECT_EQ(after->segments[1].decision.source, StrategySource::kPinned);
+  EXPECT_EQ(after->segments[1].segment, before->segments[1].segment);
+  EXPECT_EQ(after->places, before->places);
+  EXPECT_EQ(StrategyOf(before, 1), Strategy::kMixed);  // a running query keeps what it has
+}
+
+TEST_F(MapCacheTest, TheThreadSeesPinsAndNewVersions) {
+  MapCacheOptions options;
+  options.poll_interval = 5ms;
+  MapCache cache(store_.get(), options);
+  const MapCache::Snapshot old = cache.Newest("street").value();
+  ASSERT_TRUE(store_->PinStrategy(key_, 0, Strategy::k1P1L).ok());
+  EXPECT_TRUE(testing::WaitFor(
+      [&] { return StrategyOf(cache.Newest("street").value(), 0) == Strategy::k1P1L; }));
+
+  const MapKey newer = testing::ImportWorld(world_, store_.get());
+  EXPECT_TRUE(testing::WaitFor([&] { return cache.Newest("street").value()->info.key == newer; }));
+  // A session that began on the old version stays there.
+  EXPECT_EQ(cache.Get(key_).value()->info.key, key_);
+}
+
+}  // namespace
+}  // namespace maploc
