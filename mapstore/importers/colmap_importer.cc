@@ -1,0 +1,214 @@
+#include "mapstore/importers/colmap_importer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "mapstore/base/clock.h"
+#include "mapstore/importers/descriptor_selection.h"
+#include "mapstore/importers/frame_neighbours.h"
+#include "mapstore/importers/imported_lines.h"
+#include "mapstore/importers/model_points.h"
+#include "mapstore/importers/photo_features.h"
+#include "mapstore/importers/point_triangulator.h"
+#include "mapstore/importers/segmenter.h"
+
+namespace maploc {
+namespace {
+
+constexpr double kAttachDistancePx = 1.0;
+constexpr const char* kDefaultKind = "sift_root_u8";
+
+Status CheckOptions(const ColmapImportOptions& options) {
+  if (options.meters_per_unit &&
+      !(*options.meters_per_unit > 0 && *options.meters_per_unit < 1e9)) {
+    return InvalidArgument("scale", "must be positive, metres a unit of the model");
+  }
+  if (options.segment_length && !(*options.segment_length > 0 && *options.segment_length < 1e12)) {
+    return InvalidArgument("segment-length", "must be positive");
+  }
+  if (options.database_path.empty() && options.images_directory.empty()) {
+    return InvalidArgument("descriptors",
+                           "need a source: give --database, or --images to detect "
+                           "features in the photos");
+  }
+  if (options.triangulate && options.images_directory.empty()) {
+    return InvalidArgument("triangulate", "needs the photos: give --images");
+  }
+  return Status::Ok();
+}
+
+// The stages share what has been made so far; each is called once, in order.
+class Importer {
+ public:
+  Importer(const ColmapImportOptions& options, ProgressFn progress)
+      : options_(options), progress_(std::move(progress)) {}
+
+  Status Align() {
+    MAPLOC_RETURN_IF_ERROR(CheckOptions(options_));
+    MAPLOC_ASSIGN_OR_RETURN(model_, ReadColmapModel(options_.model_directory));
+    if (model_.images.empty()) {
+      return InvalidFile(options_.model_directory, "the model has no images");
+    }
+    MAPLOC_ASSIGN_OR_RETURN(report_.gravity, FindSourceGravity(model_, options_.gravity_in_source));
+    report_.info.key.name = options_.map_name;
+    report_.info.metric = options_.meters_per_unit.has_value();
+    report_.info.map_from_source = AlignSource(report_.gravity.estimate.gravity_in_source,
+                                               options_.meters_per_unit.value_or(1.0));
+    frames_ = MakeKeyFrames(model_, report_.info.map_from_source);
+    report_.frames = static_cast<std::int64_t>(frames_.size());
+    return Status::Ok();
+  }
+
+  Status MakePoints() {
+    if (options_.triangulate) {
+      MAPLOC_RETURN_IF_ERROR(TriangulateFromPhotos());
+    } else {
+      MAPLOC_RETURN_IF_ERROR(TakeModelPoints());
+    }
+    if (points_.empty()) {
+      return InvalidFile(options_.model_directory,
+                         "no point of the model has a descriptor (a model of poses alone needs "
+                         "--images and --triangulate)");
+    }
+    for (const PointTrack& point : points_) {
+      report_.point_descriptors +=
+          static_cast<std::int64_t>(point.descriptors.size()) / report_.info.point_descriptor.bytes;
+    }
+    return Status::Ok();
+  }
+
+  Status MakeLines() {
+    if (!options_.line_file.empty()) {
+      MAPLOC_ASSIGN_OR_RETURN(ImportedLines imported,
+                              ReadLines(options_.line_file, frames_, report_.info.map_from_source));
+      lines_ = std::move(imported.lines);
+      report_.info.line_descriptor = imported.kind;
+    } else if (options_.detect_lines && !options_.images_directory.empty()) {
+      MAPLOC_ASSIGN_OR_RETURN(const std::vector<FrameLines> detected,
+                              DetectPhotoLines(options_.images_directory, frames_, progress_));
+      lines_ =
+          TriangulateLines(frames_, detected, FindFrameNeighbours(frames_, points_), {}, progress_);
+      if (!lines_.empty()) report_.info.line_descriptor = detected.front().descriptors.kind;
+    }
+    for (LineTrackInMap& line : lines_) {
+      const DescriptorKind& kind = report_.info.line_descriptor;
+      line.descriptors = SelectDescriptors(kind, line.descriptors, options_.max_descriptors);
+      report_.line_descriptors += static_cast<std::int64_t>(line.descriptors.size()) / kind.bytes;
+      report_.usable_lines += IsUsableLine(line.segment_in_map) ? 1 : 0;
+    }
+    return Status::Ok();
+  }
+
+  Result<ColmapImportReport> Write(MapStore& store) {
+    report_.segment_length =
+        options_.segment_length.value_or(DefaultSegmentLength(frames_, points_));
+    const std::vector<std::vector<int>> cuts =
+        CutPath(frames_, OrderAlongPath(frames_), report_.segment_length);
+    report_.info.created_unix_ns = SystemClock().NowUnixNanos();
+    MAPLOC_ASSIGN_OR_RETURN(const std::unique_ptr<MapWriter> writer,
+                            store.BeginImport(report_.info));
+    for (const std::vector<int>& segment_frames : cuts) {
+      const auto id = static_cast<SegmentId>(report_.segments++);
+      MAPLOC_RETURN_IF_ERROR(writer->AddSegment(MakeSegment(id, segment_frames, frames_, points_,
+                                                            report_.info.point_descriptor, lines_,
+                                                            report_.info.line_descriptor)));
+      if (progress_) progress_("writing segments", id + 1, static_cast<int>(cuts.size()));
+    }
+    MAPLOC_RETURN_IF_ERROR(writer->Commit());
+    report_.info.key = writer->key();
+    report_.points = static_cast<std::int64_t>(points_.size());
+    report_.lines = static_cast<std::int64_t>(lines_.size());
+    return report_;
+  }
+
+ private:
+  Result<DescriptorKind> PhotoKind() const {
+    if (options_.descriptors) return *options_.descriptors;
+    return DescriptorKindFromName(kDefaultKind);
+  }
+
+  Status TakeModelPoints() {
+    MAPLOC_ASSIGN_OR_RETURN(const std::vector<KeypointFeatures> features, ModelFeatures());
+    report_.info.point_descriptor = DescriptorKind{};
+    for (const KeypointFeatures& of_frame : features) {
+      if (of_frame.descriptors.size() == 0) continue;
+      report_.info.point_descriptor = of_frame.descriptors.kind;
+    }
+    points_ = MakePointTracks(model_, report_.info.map_from_source, frames_, features,
+                              options_.max_descriptors);
+    report_.points_without_descriptor =
+        static_cast<std::int64_t>(model_.points.size() - points_.size());
+    return Status::Ok();
+  }
+
+  Result<std::vector<KeypointFeatures>> ModelFeatures() const {
+    if (!options_.database_path.empty()) {
+      MAPLOC_ASSIGN_OR_RETURN(auto database,
+                              ReadColmapDatabase(options_.database_path, options_.descriptors));
+      return TakeFromDatabase(model_, frames_, std::move(database));
+    }
+    MAPLOC_ASSIGN_OR_RETURN(const DescriptorKind kind, PhotoKind());
+    MAPLOC_ASSIGN_OR_RETURN(const std::vector<PointFeatures> detected,
+                            DetectPhotoPoints(options_.images_directory, frames_, kind, progress_));
+    std::vector<KeypointFeatures> features;
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      features.push_back(
+          AttachFeatures(model_.images.at(frames_[i].image_id), detected[i], kAttachDistancePx));
+    }
+    return features;
+  }
+
+  Status TriangulateFromPhotos() {
+    MAPLOC_ASSIGN_OR_RETURN(report_.info.point_descriptor, PhotoKind());
+    MAPLOC_ASSIGN_OR_RETURN(const std::vector<PointFeatures> detected,
+                            DetectPhotoPoints(options_.images_directory, frames_,
+                                              report_.info.point_descriptor, progress_));
+    points_ = TriangulatePoints(frames_, detected, FindFrameNeighbours(frames_, ModelPoints()), {},
+                                progress_);
+    for (PointTrack& point : points_) {
+      point.descriptors = SelectDescriptors(report_.info.point_descriptor, point.descriptors,
+                                            options_.max_descriptors);
+    }
+    return Status::Ok();
+  }
+
+  // The model's points without descriptors: they say which photos see the same things.
+  std::vector<PointTrack> ModelPoints() const {
+    std::vector<PointTrack> points;
+    for (const auto& [id, point] : model_.points) {
+      std::set<std::int32_t> seen_by;
+      for (const ColmapPoint::Observation& observation : point.track) {
+        const auto image = model_.images.find(observation.image_id);
+        seen_by.insert(static_cast<std::int32_t>(std::distance(model_.images.begin(), image)));
+      }
+      points.push_back({report_.info.map_from_source * point.position_in_source,
+                        {seen_by.begin(), seen_by.end()},
+                        {}});
+    }
+    return points;
+  }
+
+  ColmapImportOptions options_;
+  ProgressFn progress_;
+  ColmapImportReport report_;
+  ColmapModel model_;
+  std::vector<KeyFrame> frames_;
+  std::vector<PointTrack> points_;
+  std::vector<LineTrackInMap> lines_;
+};
+
+}  // namespace
+
+Result<ColmapImportReport> ImportColmap(const ColmapImportOptions& options,
+                                        const OpenStoreFn& open_store, const ProgressFn& progress) {
+  Importer importer(options, progress);
+  MAPLOC_RETURN_IF_ERROR(importer.Align());
+  MAPLOC_RETURN_IF_ERROR(importer.MakePoints());
+  MAPLOC_RETURN_IF_ERROR(importer.MakeLines());
+  MAPLOC_ASSIGN_OR_RETURN(MapStore* const store, open_store());
+  return importer.Write(*store);
+}
+
+}  // namespace maploc

@@ -1,0 +1,50 @@
+// Step 1 of line triangulation: which segments of a neighbouring frame may show the same line.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "mapstore/importers/line_geometry.h"
+#include "mapstore/importers/line_triangulator.h"
+
+namespace maploc {
+
+// One segment of one frame.
+struct LineRef {
+  std::int32_t frame = 0;
+  std::int32_t line = 0;
+  auto operator<=>(const LineRef&) const = default;
+};
+
+struct LineCandidate {
+  LineRef other;
+  int distance = 0;          // bits between the descriptors
+  LineSegment3 line_in_map;  // the asking segment, lifted to 3D by the other's plane
+};
+
+// All frames' segments, and how to see them.
+class LineViews {
+ public:
+  LineViews(std::span<const KeyFrame> frames, std::span<const FrameLines> lines)
+      : frames_(frames), lines_(lines) {}
+
+  int FrameCount() const { return static_cast<int>(frames_.size()); }
+  int LineCount(int frame) const { return static_cast<int>(Lines(frame).normalized.size()); }
+  LineObservation Observation(LineRef ref) const;
+  std::span<const std::uint8_t> Descriptor(LineRef ref) const {
+    return Lines(ref.frame).descriptors.row(ref.line);
+  }
+  int DescriptorDistance(LineRef a, LineRef b) const;
+
+ private:
+  const FrameLines& Lines(int frame) const { return lines_[static_cast<std::size_t>(frame)]; }
+
+  std::span<const KeyFrame> frames_;
+  std::span<const FrameLines> lines_;
+};
+
+// The nearest by descriptor first, at most options.max_candidates of the frame `other_frame`.
+std::vector<LineCandidate> FindLineCandidates(const LineViews& views, LineRef line, int other_frame,
+                                              const LineTriangulationOptions& options);
+
+}  // namespace maploc
