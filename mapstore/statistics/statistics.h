@@ -14,7 +14,7 @@ struct StatisticsOptions {
   // A session whose own inlier ratio (of points, or of lines) lies outside the 99% interval that
   // the older sessions predict for it tells of a change: the older ones keep this share of their
   // weight. In [0, 1]; 1 turns it off.
-  double change_discount = 0.1;
+  double change_discount = 0.05;
   // How many independent matches a localized query is worth, at most, in that interval. The matches
   // of one view stand and fall together; taken as independent, they would make every session a
   // change. Positive.

@@ -1,0 +1,126 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "mapstore/statistics/statistics.h"
+
+namespace maploc {
+namespace {
+
+// `localized` queries of `matches` point matches each, at a rate; lines likewise.
+SegmentSessionRow Row(int start, int localized, int matches, double rate, int lines = 0,
+                      double line_rate = 0.0) {
+  SegmentSessionRow row;
+  row.session = "s" + std::to_string(start);
+  row.session_start_unix_ns = start;
+  row.queries = localized;
+  row.localized = localized;
+  row.point_matches = localized * matches;
+  row.point_inliers = std::lround(localized * matches * rate);
+  row.usable_line_matches = localized * lines;
+  row.usable_line_inliers = std::lround(localized * lines * line_rate);
+  row.median_point_matches = matches;
+  row.median_usable_line_matches = lines;
+  return row;
+}
+
+// Changes alone discount, by nine tenths.
+StatisticsOptions WithoutAgeing() {
+  StatisticsOptions options;
+  options.half_life_sessions = 1e300;
+  options.change_discount = 0.1;
+  return options;
+}
+
+TEST(Aggregate, OfNothingIsNothing) {
+  EXPECT_EQ(Aggregate({}), SegmentStatistics{});
+  EXPECT_FALSE(Aggregate({}).PointInlierRatio().has_value());
+  EXPECT_FALSE(Aggregate({}).LineInlierRatio().has_value());
+}
+
+TEST(Aggregate, OfOneSessionIsThatSession) {
+  const SegmentStatistics s = Aggregate(std::vector{Row(1, 4, 50, 0.6, 10, 0.3)});
+  EXPECT_EQ(s.sessions, 1);
+  EXPECT_EQ(s.queries, 4);
+  EXPECT_EQ(s.point_matches, 200.0);
+  EXPECT_EQ(s.point_inliers, 120.0);
+  EXPECT_EQ(s.usable_line_matches, 40.0);
+  EXPECT_EQ(s.usable_line_inliers, 12.0);
+  EXPECT_EQ(s.typical_point_matches, 50.0);
+  EXPECT_EQ(s.typical_usable_line_matches, 10.0);
+}
+
+// With a half-life of one session the weights are 1/4, 1/2, 1, whatever the time between them.
+TEST(Aggregate, WeighsByRank) {
+  StatisticsOptions options;
+  options.half_life_sessions = 1.0;
+  const SegmentStatistics s = Aggregate(
+      std::vector{Row(1, 2, 100, 0.5), Row(2, 2, 60, 0.5), Row(1'000'000, 2, 40, 0.5)}, options);
+  EXPECT_EQ(s.point_matches, 200 / 4.0 + 120 / 2.0 + 80);
+  EXPECT_EQ(s.point_inliers, 100 / 4.0 + 60 / 2.0 + 40);
+  EXPECT_DOUBLE_EQ(s.typical_point_matches, (100 / 4.0 + 60 / 2.0 + 40) / (1 / 4.0 + 1 / 2.0 + 1));
+  EXPECT_EQ(s.sessions, 3);
+  EXPECT_EQ(s.queries, 6);
+}
+
+TEST(Aggregate, ASessionWithManyQueriesSaysMoreAboutTheTypicalOne) {
+  const StatisticsOptions options = WithoutAgeing();
+  const SegmentStatistics s =
+      Aggregate(std::vector{Row(1, 9, 100, 0.5), Row(2, 0, 0, 0.0), Row(3, 1, 200, 0.5)}, options);
+  EXPECT_DOUBLE_EQ(s.typical_point_matches, 110.0);
+}
+
+// Old: 20 queries at 0.6, worth 200 independent matches (times the decay); new: 20 queries. The 99%
+// interval is 0.6 -+ 2.576 sqrt(0.24 (1/200 + 1/200)) = 0.6 -+ 0.126, a little wider by Jeffreys'
+// mean and the decay.
+TEST(Aggregate, AChangeDiscountsTheOlderSessionsAtOnce) {
+  const StatisticsOptions options = WithoutAgeing();
+  const SegmentSessionRow old = Row(1, 20, 100, 0.6);
+  const SegmentStatistics within = Aggregate(std::vector{old, Row(2, 20, 100, 0.48)}, options);
+  EXPECT_EQ(within.point_matches, 4000.0);
+  const SegmentStatistics outside = Aggregate(std::vector{old, Row(2, 20, 100, 0.46)}, options);
+  EXPECT_DOUBLE_EQ(outside.point_matches, 0.1 * 2000 + 2000);
+  EXPECT_DOUBLE_EQ(outside.point_inliers, 0.1 * 1200 + 920);
+  EXPECT_EQ(outside.queries, 40);  // plain counts stay
+  const SegmentStatistics better = Aggregate(std::vector{old, Row(2, 20, 100, 0.75)}, options);
+  EXPECT_DOUBLE_EQ(better.point_matches, 0.1 * 2000 + 2000);
+}
+
+TEST(Aggregate, AChangeOfTheLinesAloneCountsToo) {
+  const StatisticsOptions options = WithoutAgeing();
+  const SegmentStatistics s =
+      Aggregate(std::vector{Row(1, 20, 100, 0.6, 20, 0.7), Row(2, 20, 100, 0.6, 20, 0.2)}, options);
+  EXPECT_DOUBLE_EQ(s.usable_line_matches, 0.1 * 400 + 400);
+  EXPECT_DOUBLE_EQ(s.point_matches, 0.1 * 2000 + 2000);
+}
+
+// Two queries prove nothing, however many matches they have.
+TEST(Aggregate, AShortOddSessionIsNoChange) {
+  const StatisticsOptions options = WithoutAgeing();
+  const SegmentStatistics s =
+      Aggregate(std::vector{Row(1, 20, 100, 0.6), Row(2, 2, 1000, 0.4)}, options);
+  EXPECT_EQ(s.point_matches, 4000.0);
+}
+
+// A record without an outlier must not make the first outlier a change.
+TEST(Aggregate, ASpotlessRecordDoesNotPredictPerfection) {
+  const StatisticsOptions options = WithoutAgeing();
+  const SegmentStatistics s =
+      Aggregate(std::vector{Row(1, 20, 100, 1.0), Row(2, 20, 100, 0.999)}, options);
+  EXPECT_EQ(s.point_matches, 4000.0);
+}
+
+TEST(Aggregate, ASessionOfFailuresAloneChangesNoRatio) {
+  SegmentSessionRow failed;
+  failed.session = "failed";
+  failed.session_start_unix_ns = 2;
+  failed.queries = 30;
+  const SegmentStatistics s = Aggregate(std::vector{Row(1, 4, 50, 0.6), failed});
+  EXPECT_EQ(s.queries, 34);
+  EXPECT_EQ(s.localized, 4);
+  EXPECT_DOUBLE_EQ(*s.PointInlierRatio(), 0.6);
+  EXPECT_DOUBLE_EQ(s.typical_point_matches, 50.0);
+}
+
+}  // namespace
+}  // namespace maploc
