@@ -44,6 +44,7 @@ std::vector<ColmapImage> SortedByName(const ColmapModel& model) {
 Result<PointFeatures> ConvertToKind(PointFeatures points, const DescriptorKind& kind) {
   Descriptors& descriptors = points.descriptors;
   if (descriptors.kind == kind) return points;
+  if (points.keypoints_px.empty()) return PointFeatures{{}, {kind, {}}};
   if (descriptors.kind.name == "sift_root_u8" && kind.name == "sift_u8") {
     for (int i = 0; i < descriptors.size(); ++i) {
       PlainFromRootSift(descriptors.bytes.data() + static_cast<std::size_t>(i) * kind.bytes,

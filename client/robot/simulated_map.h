@@ -1,0 +1,32 @@
+// The mapping drive: once around the campus in summer, written as the files that maploc-map
+// imports.
+#pragma once
+
+#include <string>
+
+#include "client/robot/simulated_view.h"
+#include "mapstore/base/status.h"
+
+namespace maploc {
+
+struct MappingOptions {
+  double spacing_m = 1.5;          // between key frames
+  double position_noise_m = 0.01;  // of mapped landmarks, each axis
+  int min_track = 3;               // key frames that must have seen a landmark
+  int max_line_descriptors = 6;    // of a line, spread over its track
+  SightOptions sight{.clutter_points = 0, .clutter_lines = 0};
+};
+
+struct MappingSummary {
+  int key_frames = 0;
+  int points = 0;
+  int lines = 0;
+};
+
+// Writes `directory`/model (a COLMAP text model), /database.db (descriptors of kind orb) and
+// /lines.txt (formats/line_tracks.h), in the world's frame: gravity is (0, 0, -1), the unit a
+// metre.
+Result<MappingSummary> WriteMappingDrive(const World& world, const MappingOptions& options,
+                                         const std::string& directory);
+
+}  // namespace maploc

@@ -1,0 +1,169 @@
+#include "client/robot/recorded_robot.h"
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/robot/metrics.h"
+#include "mapstore/formats/colmap_writer.h"
+
+namespace maploc {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+// Two images of one camera, "b" written before "a", with two keypoints of 32 binary bytes each.
+class RecordedRobotTest : public ::testing::Test {
+ protected:
+  RecordedRobotTest()
+      : dir_(fs::path(::testing::TempDir()) /
+             ("recorded_" +
+              std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()))) {
+    fs::remove_all(dir_);
+    model_.cameras.emplace(1, *Camera::Create(CameraModel::kPinhole, 64, 48, {50, 50, 32, 24}));
+    AddImage(1, "b", {0, 0, 4});
+    AddImage(2, "a", {0, 0, 8});
+    model_.points.emplace(5, ColmapPoint{5, {0, 0, 2}, 0.1, {{2, 0}}});
+    model_.images.at(2).keypoints_px = {{32, 24}};
+    model_.images.at(2).point_ids = {5};
+    EXPECT_TRUE(WriteColmapModel(dir_, model_).ok());
+    EXPECT_TRUE(WriteColmapDatabase(dir_ / "database.db", model_,
+                                    {{"a", Features(32)}, {"b", Features(32)}})
+                    .ok());
+    map_.key = {"yard", 1};
+    map_.point_descriptor = *DescriptorKindFromName("binary32");
+    options_.model_dir = dir_;
+    options_.database = dir_ / "database.db";
+  }
+  ~RecordedRobotTest() override { fs::remove_all(dir_); }
+
+  void AddImage(std::int64_t id, const std::string& name, const Eigen::Vector3d& translation) {
+    ColmapImage image;
+    image.id = id;
+    image.camera_id = 1;
+    image.name = name;
+    image.camera_from_source.translation = translation;
+    model_.images.emplace(id, image);
+  }
+  static PointFeatures Features(int bytes) {
+    PointFeatures points;
+    points.keypoints_px = {{1, 2}, {3, 4}};
+    points.descriptors.kind = *DescriptorKindFromName("binary" + std::to_string(bytes));
+    points.descriptors.bytes.assign(static_cast<std::size_t>(2 * bytes), 7);
+    return points;
+  }
+  RecordedRobot Open() {
+    Result<RecordedRobot> robot = RecordedRobot::Open(options_, map_);
+    EXPECT_TRUE(robot.ok()) << robot.status().ToString();
+    return *std::move(robot);
+  }
+
+  fs::path dir_;
+  ColmapModel model_;
+  MapInfo map_;
+  RecordingOptions options_;
+};
+
+TEST_F(RecordedRobotTest, AsksInTheOrderOfNamesAndSendsNothingOfTheReference) {
+  const RecordedRobot robot = Open();
+  ASSERT_EQ(robot.QueryCount(), 2);
+  EXPECT_EQ(robot.QueryName(0), "a");
+  const Result<Query> query = robot.MakeQuery(0);
+  ASSERT_TRUE(query.ok()) << query.status().ToString();
+  EXPECT_EQ(query->map, "yard");
+  EXPECT_FALSE(query->prior.has_value());
+  EXPECT_TRUE(query->gravity.has_value());
+  ASSERT_EQ(query->views.size(), 1u);
+  EXPECT_EQ(query->views[0].points.keypoints_px.size(), 2u);
+  EXPECT_EQ(query->views[0].lines.size(), 0);
+}
+
+TEST_F(RecordedRobotTest, ComparesInTheMapsFrame) {
+  map_.map_from_source = {
+      2.0, Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 2) / 3)), {5, 6, 7}};
+  const RecordedRobot robot = Open();
+  // Image "b" stands at (0, 0, -4) in the source's frame.
+  const Rigid3 reference = robot.ReferenceMapFromBody(1);
+  EXPECT_LT((reference.translation - map_.map_from_source * Eigen::Vector3d(0, 0, -4)).norm(),
+            1e-9);
+  EXPECT_LT(RotationAngleBetween(reference.rotation, map_.map_from_source.rotation), 1e-9);
+}
+
+TEST_F(RecordedRobotTest, KnowsTheScenesDepthInTheMapsUnitWhereItHasPoints) {
+  map_.map_from_source.scale = 3.0;
+  const RecordedRobot robot = Open();
+  ASSERT_TRUE(robot.SceneDepth(0).has_value());
+  EXPECT_DOUBLE_EQ(*robot.SceneDepth(0), 30.0);
+  EXPECT_FALSE(robot.SceneDepth(1).has_value());
+}
+
+TEST_F(RecordedRobotTest, ABinaryDatabaseTakesTheMapsNameForItsLength) {
+  map_.point_descriptor = *DescriptorKindFromName("orb");
+  EXPECT_EQ(Open().MakeQuery(0)->views[0].points.descriptors.kind.name, "orb");
+}
+
+TEST_F(RecordedRobotTest, RefusesADatabaseOfAnotherKindThanTheMaps) {
+  map_.point_descriptor = *DescriptorKindFromName("sift_root_u8");
+  const Status status = Open().MakeQuery(0).status();
+  EXPECT_EQ(status.reason(), "DESCRIPTOR_KIND_MISMATCH");
+  EXPECT_THAT(status.message(), HasSubstr("binary32"));
+  EXPECT_THAT(status.message(), HasSubstr("database.db"));
+}
+
+TEST_F(RecordedRobotTest, SendsNoPointsToAMapWithoutPoints) {
+  map_.point_descriptor = {};
+  EXPECT_TRUE(Open().MakeQuery(0)->views[0].points.keypoints_px.empty());
+}
+
+TEST_F(RecordedRobotTest, NamesTheImageThatTheDatabaseLacks) {
+  ASSERT_TRUE(WriteColmapDatabase(dir_ / "database.db", model_, {{"a", Features(32)}}).ok());
+  const Result<RecordedRobot> robot = RecordedRobot::Open(options_, map_);
+  // The image is known to the database, but without features: nothing to send, and no fault.
+  ASSERT_TRUE(robot.ok());
+  EXPECT_TRUE(robot->MakeQuery(1)->views[0].points.keypoints_px.empty());
+  model_.images.erase(1);
+  ASSERT_TRUE(WriteColmapDatabase(dir_ / "database.db", model_, {{"a", Features(32)}}).ok());
+  EXPECT_THAT(RecordedRobot::Open(options_, map_).status().message(), HasSubstr("image 'b'"));
+}
+
+TEST_F(RecordedRobotTest, NeedsFeaturesFromSomewhere) {
+  options_.database.clear();
+  EXPECT_EQ(RecordedRobot::Open(options_, map_).status().code(), StatusCode::kInvalidArgument);
+}
+
+TEST_F(RecordedRobotTest, NamesThePhotoThatIsMissing) {
+  options_.database.clear();
+  options_.images = dir_ / "photos";
+  map_.point_descriptor = *DescriptorKindFromName("orb");
+  EXPECT_THAT(Open().MakeQuery(0).status().message(), HasSubstr("photos/a"));
+}
+
+// Root-SIFT of plain SIFT x, turned back, is x at OpenCV's scale up to rounding.
+TEST(ConvertToKindTest, PlainSiftComesBackFromRootSift) {
+  std::vector<double> plain(128);
+  double sum = 0.0;
+  double squares = 0.0;
+  for (int i = 0; i < 128; ++i) {
+    plain[i] = (i * 37) % 50;
+    sum += plain[i];
+    squares += plain[i] * plain[i];
+  }
+  PointFeatures points;
+  points.keypoints_px = {{0, 0}};
+  points.descriptors.kind = *DescriptorKindFromName("sift_root_u8");
+  for (const double x : plain) {
+    points.descriptors.bytes.push_back(
+        static_cast<std::uint8_t>(std::lround(512.0 * std::sqrt(x / sum))));
+  }
+  const Result<PointFeatures> converted = ConvertToKind(points, *DescriptorKindFromName("sift_u8"));
+  ASSERT_TRUE(converted.ok());
+  EXPECT_EQ(converted->descriptors.kind.name, "sift_u8");
+  for (int i = 0; i < 128; ++i) {
+    EXPECT_NEAR(converted->descriptors.bytes[i], 512.0 * plain[i] / std::sqrt(squares), 2.0) << i;
+  }
+}
+
+}  // namespace
+}  // namespace maploc
