@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <Eigen/Core>
 #include <Eigen/LU>
@@ -12,6 +13,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMaxPairSide = 500;
+// Displacements by the same distance in the map differ in the image by about this share.
+constexpr double kPerspectiveShare = 0.05;
 
 double LogChoose(int n, int k) {
   return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
@@ -58,6 +61,13 @@ double CombineLogPValues(double log_p1, double log_p2) {
   return std::min(log_product + std::log10(1.0 - log_product * std::log(10.0)), 0.0);
 }
 
+double ShareBeyondAccident(const PairCount& count, double expected_share) {
+  const double expected = expected_share * static_cast<double>(count.pairs);
+  const double agreeing = static_cast<double>(count.agreeing);
+  if (agreeing <= expected + 3.0 * std::sqrt(expected) + 2.0) return expected_share;
+  return agreeing / static_cast<double>(count.pairs);
+}
+
 Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
                          const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
                          double threshold) {
@@ -75,10 +85,9 @@ Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
   agreement.distinct_inliers = static_cast<int>(kept.size());
 
   const double apart2 = 4.0 * threshold * threshold;
-  std::int64_t pairs = 0;
-  std::int64_t agreeing = 0;
   const std::size_t step = Step(points.size());
   for (std::size_t j = 0; j < points.size(); j += step) {
+    if (inliers[j] != 0) continue;  // its place is taken by its own feature
     const Eigen::Vector3d q = pose.rotation * points[j].position_in_map + pose.translation;
     const bool in_front = q.z() > 0;
     const Eigen::Vector2d projected = in_front ? Eigen::Vector2d(q.hnormalized()) : q.head<2>();
@@ -86,12 +95,10 @@ Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
       if (i == j) continue;
       const Eigen::Vector2d& seen = points[i].normalized;
       if ((seen - points[j].normalized).squaredNorm() < apart2) continue;
-      ++pairs;
-      agreeing += in_front && (seen - projected).squaredNorm() < threshold * threshold ? 1 : 0;
+      ++agreement.wrong_pairs.pairs;
+      agreement.wrong_pairs.agreeing +=
+          in_front && (seen - projected).squaredNorm() < threshold * threshold ? 1 : 0;
     }
-  }
-  if (pairs > 0) {
-    agreement.wrong_pair_rate = static_cast<double>(agreeing) / static_cast<double>(pairs);
   }
   return agreement;
 }
@@ -113,22 +120,55 @@ Agreement LineAgreement(const std::vector<LineCorrespondence>& lines,
   }
   agreement.distinct_inliers = static_cast<int>(kept.size());
 
-  std::int64_t pairs = 0;
-  std::int64_t agreeing = 0;
   const std::size_t step = Step(lines.size());
   for (std::size_t j = 0; j < lines.size(); j += step) {
+    if (inliers[j] != 0) continue;
     for (std::size_t i = 0; i < lines.size(); i += step) {
       if (i == j || LiesOn(lines[i].normalized, image_lines[j], 2.0 * threshold)) continue;
-      ++pairs;
+      ++agreement.wrong_pairs.pairs;
       LineCorrespondence wrong = lines[j];
       wrong.normalized = lines[i].normalized;
-      agreeing += IsLineInlier(pose, wrong, threshold, min_length) ? 1 : 0;
+      agreement.wrong_pairs.agreeing += IsLineInlier(pose, wrong, threshold, min_length) ? 1 : 0;
     }
   }
-  if (pairs > 0) {
-    agreement.wrong_pair_rate = static_cast<double>(agreeing) / static_cast<double>(pairs);
-  }
   return agreement;
+}
+
+double SharedDisplacementRate(const std::vector<PointCorrespondence>& points,
+                              const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
+                              double threshold) {
+  struct Outlier {
+    Eigen::Vector2d seen;
+    Eigen::Vector2d displacement;
+  };
+  std::vector<Outlier> outliers;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d q = pose.rotation * points[i].position_in_map + pose.translation;
+    if (inliers[i] != 0 || q.z() <= 0) continue;
+    outliers.push_back({points[i].normalized, points[i].normalized - q.hnormalized()});
+  }
+  std::vector<Eigen::Vector2d> displacements;
+  for (const Outlier& outlier : outliers) displacements.push_back(outlier.displacement);
+  const double area = std::max(SpreadArea(displacements), 1e-12);
+  PairCount count;
+  double expected = 0.0;  // pairs alike by accident
+  const std::size_t step = Step(outliers.size());
+  for (std::size_t i = 0; i < outliers.size(); i += step) {
+    const double tolerance = std::max(std::numbers::sqrt2 * threshold,
+                                      kPerspectiveShare * outliers[i].displacement.norm());
+    for (std::size_t j = i + step; j < outliers.size(); j += step) {
+      const double apart2 = (outliers[i].seen - outliers[j].seen).squaredNorm();
+      if (apart2 < 4.0 * threshold * threshold) continue;
+      ++count.pairs;
+      expected += std::min(1.0, std::numbers::pi * tolerance * tolerance / area);
+      const double difference = (outliers[i].displacement - outliers[j].displacement).norm();
+      count.agreeing += difference < tolerance ? 1 : 0;
+    }
+  }
+  if (count.pairs == 0) return 0.0;
+  const double accident = expected / static_cast<double>(count.pairs);
+  const double share = ShareBeyondAccident(count, accident);
+  return share > accident ? share : 0.0;
 }
 
 double SpreadArea(const std::vector<Eigen::Vector2d>& features) {

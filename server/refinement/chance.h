@@ -16,11 +16,21 @@ double LogBinomialTail(int n, int k, double p);
 // x (1 - ln x) (Fisher).
 double CombineLogPValues(double log_p1, double log_p2);
 
+// Pairs that were looked at, and how many of them agreed.
+struct PairCount {
+  std::int64_t pairs = 0;
+  std::int64_t agreeing = 0;
+};
+
+// The share of agreeing pairs where it is significantly more than `expected_share`, else that: a
+// handful of accidents among few pairs is no pattern (three standard deviations, and two pairs).
+double ShareBeyondAccident(const PairCount& count, double expected_share);
+
 // Evidence of one feature type under a pose.
 struct Agreement {
   int matches = 0;
-  int distinct_inliers = 0;      // features closer together than the threshold count once
-  double wrong_pair_rate = 0.0;  // share of (feature i, landmark j != i) that agree, i and j apart
+  int distinct_inliers = 0;  // features closer together than the threshold count once
+  PairCount wrong_pairs;     // (feature i, outlier's landmark j) with i and j seen apart
 };
 
 // `threshold` in the plane z = 1. Looks at no more than about 500 x 500 pairs, evenly spread.
@@ -30,6 +40,16 @@ Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
 Agreement LineAgreement(const std::vector<LineCorrespondence>& lines,
                         const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
                         double threshold, double min_length);
+
+// How probable is it that two wrong matches are displaced alike? Under a pose, match i is off by
+// d_i = seen_i - projected_i. In a picture of equal windows, where each match takes a window of its
+// own for another, wrong matches agree in being some windows off, and a pose that explains "none
+// off" is as probable as one that explains "one off". Share of pairs of outliers, seen apart, whose
+// displacements agree within the threshold or a twentieth of their length (perspective); 0 unless
+// that is more than accident.
+double SharedDisplacementRate(const std::vector<PointCorrespondence>& points,
+                              const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
+                              double threshold);
 
 // Area of the plane z = 1 over which the features spread: that of the rectangle whose uniform
 // distribution has their covariance. 0 for fewer than 3.

@@ -25,6 +25,7 @@ constexpr double kOddsPerFalseAlarm = 1e4;
 constexpr double kMaxRotationSigmaRad = 5.0 * std::numbers::pi / 180.0;
 constexpr double kMaxPositionSigmaShare = 0.1;
 constexpr double kUndeterminedConfidence = 0.5;
+constexpr double kRepeatFactor = 3.0;
 constexpr double kChiSquare2AtOneInTenThousand = 18.42068;
 constexpr double kLeastGravitySigmaRad = 0.1 * std::numbers::pi / 180.0;
 
@@ -86,14 +87,21 @@ double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pos
   const Agreement lines = LineAgreement(problem.lines, pose.line_inliers, matrix, threshold,
                                         kMinProjectedLinePx / focal);
   const ChanceRates rates = RatesFromAreas(problem, threshold, image_area);
+  // Shifts near zero are the most frequent of a repeated pattern, and lines of a pattern share
+  // more than their place with each other.
+  const double shared =
+      kRepeatFactor * SharedDisplacementRate(problem.points, pose.point_inliers, matrix, threshold);
+  const double point_rate =
+      std::min(1.0, std::max(ShareBeyondAccident(points.wrong_pairs, rates.point), shared));
+  const double wrong_lines = ShareBeyondAccident(lines.wrong_pairs, rates.line);
+  const double line_rate = std::min(
+      1.0, std::max(wrong_lines > rates.line ? kRepeatFactor * wrong_lines : rates.line, shared));
   const int used_points = std::min(kFeaturesOfPose, points.distinct_inliers);
   const int used_lines = std::min(kFeaturesOfPose - used_points, lines.distinct_inliers);
-  const double log_points =
-      LogBinomialTail(points.matches - used_points, points.distinct_inliers - used_points,
-                      std::max(rates.point, points.wrong_pair_rate));
+  const double log_points = LogBinomialTail(points.matches - used_points,
+                                            points.distinct_inliers - used_points, point_rate);
   const double log_lines =
-      LogBinomialTail(lines.matches - used_lines, lines.distinct_inliers - used_lines,
-                      std::max(rates.line, lines.wrong_pair_rate));
+      LogBinomialTail(lines.matches - used_lines, lines.distinct_inliers - used_lines, line_rate);
   const double tests = kPosesPerIteration * std::max(options.iterations, kMinIterations);
   return std::log10(tests) + CombineLogPValues(log_points, log_lines);
 }

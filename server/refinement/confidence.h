@@ -8,8 +8,8 @@
 // used up by the pose's own freedom. Number of false alarms
 //     NFA = tests * P(Binomial(n - s, p) >= k - s),
 // tests = 2 poses an iteration, times a constant for local optimization. Points and lines have
-// their own p; the tail is that of the sum. p is the larger of
-//   * the inlier disc's share of the area that the matched features cover, and
+// their own p; the tail is that of the sum. p is the largest of
+//   * the inlier disc's share of the area that the matched features cover;
 //   * the share of WRONG pairs (feature i, landmark j != i) that agree under this very pose: it
 //   sees
 //     repeated patterns, clusters and cameras so far away that the whole map is a dot.

@@ -1,6 +1,7 @@
 #include "server/refinement/refine.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -81,7 +82,7 @@ class Refiner {
     Eigen::Vector3d translation = pose->translation;
     ceres::Problem::Options ownership;
     ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    ceres::CauchyLoss loss(kLossScaleSigmas);
+    ceres::CauchyLoss loss(LossScale());
     ceres::Problem least_squares(ownership);
     AddFeatures(inliers, chart, &loss, turn, translation.data(), &least_squares);
     if (mode_ == Refinement::kAuto) {
@@ -102,6 +103,13 @@ class Refiner {
     pose->rotation = Eigen::Quaterniond(chart.Rotation(turn)).normalized();
     pose->translation = translation;
     return true;
+  }
+
+  // Where gravity is held, its error shows in the residuals of good matches, in sigmas of a pixel.
+  double LossScale() const {
+    const double from_gravity =
+        mode_ == Refinement::k4Dof ? problem_.gravity_sigma_rad / sigma_ : 0.0;
+    return kLossScaleSigmas * std::hypot(1.0, from_gravity);
   }
 
   void AddFeatures(const InlierFlags& inliers, const RotationChart& chart,

@@ -1,0 +1,54 @@
+#include "server/refinement/confidence.h"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "server/refinement/chance.h"
+
+namespace maploc::testing {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+TEST(LogBinomialTail, IsTheTail) {
+  // P(Binomial(4, 1/2) >= 3) = 5/16, P(Binomial(10, 0.1) >= 1) = 1 - 0.9^10.
+  EXPECT_NEAR(LogBinomialTail(4, 3, 0.5), std::log10(5.0 / 16), 1e-12);
+  EXPECT_NEAR(LogBinomialTail(10, 1, 0.1), std::log10(1 - std::pow(0.9, 10)), 1e-12);
+  EXPECT_EQ(LogBinomialTail(10, 0, 0.1), 0);
+  EXPECT_NEAR(LogBinomialTail(10, 10, 0.1), -10, 1e-12);
+  EXPECT_TRUE(std::isinf(LogBinomialTail(10, 11, 0.1)));
+  EXPECT_NEAR(LogBinomialTail(2000, 500, 1e-4), -1513.3, 0.1) << "Stirling; and no underflow";
+}
+
+TEST(CombineLogPValues, IsFishersRule) {
+  // P(U V <= x) = x (1 - ln x) for uniform U, V.
+  const double x = 0.01 * 0.2;
+  EXPECT_NEAR(CombineLogPValues(std::log10(0.01), std::log10(0.2)),
+              std::log10(x * (1 - std::log(x))), 1e-12);
+  EXPECT_EQ(CombineLogPValues(0, 0), 0);
+}
+
+TEST(SpreadArea, OfAUniformRectangleIsItsArea) {
+  std::vector<Eigen::Vector2d> features;
+  for (int i = 0; i < 100; ++i) {
+    for (int j = 0; j < 100; ++j) features.push_back({i / 100.0, 2.0 * j / 100.0});
+  }
+  EXPECT_NEAR(SpreadArea(features), 2.0, 0.01);
+  EXPECT_EQ(SpreadArea({{0, 0}, {1, 1}}), 0.0);
+}
+
+TEST(GravityConsistent, IsChiSquareOfBothUncertainties) {
+  PoseCovariance covariance = PoseCovariance::Zero();
+  // sqrt(18.42) = 4.29 sigmas.
+  EXPECT_TRUE(GravityConsistent(4.2 * kDegree, 1.0 * kDegree, covariance));
+  EXPECT_FALSE(GravityConsistent(4.4 * kDegree, 1.0 * kDegree, covariance));
+  covariance(3, 3) = covariance(4, 4) = kDegree * kDegree;
+  EXPECT_TRUE(GravityConsistent(6.0 * kDegree, 1.0 * kDegree, covariance));
+  EXPECT_FALSE(GravityConsistent(6.2 * kDegree, 1.0 * kDegree, covariance));
+  EXPECT_TRUE(GravityConsistent(0.3 * kDegree, 0.0, PoseCovariance::Zero()))
+      << "no accelerometer is exact";
+}
+
+}  // namespace
+}  // namespace maploc::testing
