@@ -28,7 +28,8 @@ LineSegment3 RandomSegmentInMap(Scene scene, bool vertical, Random& random) {
   LineSegment3 segment;
   segment.start = RandomPointInMap(scene, random);
   if (vertical) {
-    segment.end = segment.start + Eigen::Vector3d(0, 0, segment.start.z() > 0 ? -1 : 1);
+    const double up = segment.start.z() > 0 ? -1 : 1;
+    segment.end = segment.start + Eigen::Vector3d(0, 0, up * random.Uniform(0.2, 1));
   } else if (scene == Scene::kCube) {
     segment.end = RandomPointInMap(scene, random);
   } else {
@@ -135,7 +136,8 @@ Rigid3 MakeCameraFromMap(Scene scene, Random& random) {
       Eigen::AngleAxisd(scene == Scene::kCube ? pitch : 0.3 * pitch, Eigen::Vector3d::UnitX())
           .toRotationMatrix() *
       level_from_map * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  Eigen::Vector3d centre(random.Uniform(-5, 5), random.Uniform(-1, 1), random.Uniform(-1, 1));
+  Eigen::Vector3d centre(random.Uniform(-5, 5), random.Uniform(-0.5, 0.5),
+                         random.Uniform(-0.5, 0.5));
   if (scene == Scene::kCube) {
     const Eigen::Vector3d target(random.Uniform(-0.2, 0.2), random.Uniform(-0.2, 0.2),
                                  random.Uniform(-0.2, 0.2));
