@@ -1,4 +1,5 @@
 #include <csignal>
+#include <cstdlib>
 #include <iostream>
 #include <string>
 
@@ -33,6 +34,8 @@ int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("maploc-server"));
   spdlog::set_level(spdlog::level::from_str(command_line.options.log_level));
 
+  // What gRPC has to say of a port in use, we say in one line; GRPC_VERBOSITY=debug brings it back.
+  setenv("GRPC_VERBOSITY", "NONE", /*overwrite=*/0);
   const sigset_t signals = BlockStopSignals();
   auto server = maploc::Server::Start(command_line.options);
   if (!server.ok()) return Fail(server.status());
