@@ -1,0 +1,113 @@
+// The real binary as a process: what a signal in the middle of the work loses (nothing), and what
+// it says when it cannot start.
+#include <atomic>
+#include <fstream>
+#include <thread>
+
+#include "client/api/client.h"
+#include "mapstore/store/sqlite_store.h"
+#include "tests/contract/store/store_fixture.h"
+#include "tests/integration/service/process.h"
+#include "tests/support/seed.h"
+#include "tests/support/stored_world.h"
+#include "tests/support/wait_for.h"
+
+namespace maploc::testing {
+namespace {
+
+const std::string kBinary = std::string(MAPLOC_BIN_DIR) + "/maploc-server";
+
+class BinaryTest : public ::testing::Test {
+ protected:
+  std::vector<std::string> Command() const {
+    return {kBinary,       "--store",     folder_.File("store"), "--listen",
+            "127.0.0.1:0", "--port-file", folder_.File("port")};
+  }
+  std::string Read(const std::string& name) const {
+    std::ifstream file(folder_.File(name));
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  std::string WaitForAddress() const {
+    EXPECT_TRUE(WaitFor([&] { return std::filesystem::exists(folder_.File("port")); }))
+        << Read("stderr");
+    std::string port = Read("port");
+    if (!port.empty()) port.pop_back();
+    return "127.0.0.1:" + port;
+  }
+
+  const TemporaryFolder folder_;
+};
+
+// One robot that asks until the server is gone.
+struct Robot {
+  SessionId session;
+  std::int64_t acknowledged = 0;
+};
+
+Robot RunUntilRefused(const std::string& address, const DrawnWorld& world, int index,
+                      std::atomic<int>& answers) {
+  const Client client(address);
+  Robot robot;
+  robot.session = client.StartSession("street", "rover-" + std::to_string(index), {}).value();
+  Random random = TestRandom(index);
+  while (true) {
+    const Rigid3 camera_from_map =
+        DrawnWorld::CameraFromMapAt(random.Uniform(1.0, 20.0), random.Uniform(-0.3, 0.3));
+    Query query = world.See(camera_from_map, QueryNoise(), random);
+    query.session = robot.session;
+    if (!client.Localize(query).ok()) return robot;
+    ++robot.acknowledged;
+    ++answers;
+  }
+}
+
+TEST_F(BinaryTest, ASignalInTheMiddleOfTheWorkLosesNothing) {
+  const DrawnWorld world{TestRandom()};
+  {
+    const auto store = OpenSqliteStore(folder_.File("store")).value();
+    ImportWorld(world, store.get());
+  }
+  Process server(Command(), folder_.File("stderr"));
+  const std::string address = WaitForAddress();
+  constexpr int kRobots = 3;
+  std::atomic<int> answers = 0;
+  std::vector<Robot> robots(kRobots);
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kRobots; ++i) {
+    threads.emplace_back([&, i] { robots[i] = RunUntilRefused(address, world, i, answers); });
+  }
+  ASSERT_TRUE(WaitFor([&] { return answers >= 30; })) << Read("stderr");
+
+  server.Signal(SIGTERM);
+
+  EXPECT_EQ(server.Wait(), 0) << Read("stderr");
+  for (std::thread& thread : threads) thread.join();
+  const auto store = OpenSqliteStore(folder_.File("store")).value();
+  for (const Robot& robot : robots) {
+    const auto kept = static_cast<std::int64_t>(store->ListObservations(robot.session)->size());
+    // The query that the end caught may have been counted without its answer reaching the robot.
+    EXPECT_GE(kept, robot.acknowledged);
+    EXPECT_LE(kept, robot.acknowledged + 1);
+  }
+  EXPECT_TRUE(store->Verify().ok());
+}
+
+TEST_F(BinaryTest, AStoreThatIsNotSqliteIsOneLineAndExitOne) {
+  std::ofstream(folder_.File("store")) << "not a store\n";
+  Process server(Command(), folder_.File("stderr"));
+  EXPECT_EQ(server.Wait(), 1);
+  const std::string said = Read("stderr");
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  EXPECT_NE(said.find(folder_.File("store")), std::string::npos) << said;
+  EXPECT_EQ(Read("store"), "not a store\n");
+}
+
+TEST_F(BinaryTest, AnInterruptIsACleanEndToo) {
+  Process server(Command(), folder_.File("stderr"));
+  WaitForAddress();
+  server.Signal(SIGINT);
+  EXPECT_EQ(server.Wait(), 0) << Read("stderr");
+}
+
+}  // namespace
+}  // namespace maploc::testing

@@ -1,0 +1,138 @@
+// Start and stop: port file, health, reflection, stores that cannot be served.
+#include <fstream>
+#include <future>
+#include <sstream>
+
+#include <grpcpp/generic/generic_stub.h>
+#include <grpcpp/grpcpp.h>
+
+#include "tests/integration/service/service_fixture.h"
+
+namespace maploc::testing {
+namespace {
+
+// Health and reflection are spoken in bytes: Debian packages no generated code for them.
+const std::string kServing("\x08\x01", 2);       // HealthCheckResponse.status
+const std::string kNotServing("\x08\x02", 2);    // the same
+const std::string kListServices("\x3a\x00", 2);  // ServerReflectionRequest.list_services
+
+// One open stream of bytes to one method.
+class ByteStream {
+ public:
+  ByteStream(const std::string& address, const std::string& method, const std::string& request)
+      : stub_(grpc::CreateChannel(address, grpc::InsecureChannelCredentials())) {
+    context_.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
+    stream_ = stub_.PrepareCall(&context_, method, &queue_);
+    stream_->StartCall(nullptr);
+    Next();
+    const grpc::Slice slice(request);
+    stream_->Write(grpc::ByteBuffer(&slice, 1), nullptr);
+    Next();
+  }
+  ~ByteStream() {
+    context_.TryCancel();
+    grpc::Status status;
+    stream_->Finish(&status, nullptr);
+    Next();
+    queue_.Shutdown();
+  }
+  std::string Read() {
+    grpc::ByteBuffer buffer;
+    stream_->Read(&buffer, nullptr);
+    if (!Next()) return "closed";
+    std::vector<grpc::Slice> slices;
+    EXPECT_TRUE(buffer.Dump(&slices).ok());
+    std::string bytes;
+    for (const grpc::Slice& slice : slices) {
+      bytes.append(reinterpret_cast<const char*>(slice.begin()), slice.size());
+    }
+    return bytes;
+  }
+
+ private:
+  bool Next() {
+    void* tag = nullptr;
+    bool ok = false;
+    return queue_.Next(&tag, &ok) && ok;
+  }
+
+  grpc::GenericStub stub_;
+  grpc::ClientContext context_;
+  grpc::CompletionQueue queue_;
+  std::unique_ptr<grpc::GenericClientAsyncReaderWriter> stream_;
+};
+
+std::string Content(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class LifecycleTest : public ServiceTest {};
+
+TEST_F(LifecycleTest, ThePortFileTellsThePortWhileItServes) {
+  EXPECT_EQ(Content(options_.port_file), std::to_string(server_->port()) + "\n");
+  ASSERT_TRUE(server_->Shutdown().ok());
+  EXPECT_FALSE(std::filesystem::exists(options_.port_file));
+}
+
+TEST_F(LifecycleTest, HealthTurnsNotServingAtTheEnd) {
+  ByteStream health(Address(), "/grpc.health.v1.Health/Watch", "");
+  EXPECT_EQ(health.Read(), kServing);
+  auto stop = std::async(std::launch::async, [this] { return server_->Shutdown(); });
+  EXPECT_EQ(health.Read(), kNotServing);
+  EXPECT_TRUE(stop.get().ok());
+}
+
+TEST_F(LifecycleTest, ReflectionNamesTheServices) {
+  ByteStream reflection(Address(), "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
+                        kListServices);
+  const std::string services = reflection.Read();
+  for (const char* name : {"maploc.v1.LocalizationService", "maploc.v1.MapService"}) {
+    EXPECT_NE(services.find(name), std::string::npos) << name;
+  }
+}
+
+TEST_F(LifecycleTest, AfterTheEndThereIsNobody) {
+  ASSERT_TRUE(server_->Shutdown().ok());
+  server_->WaitForShutdown();
+  EXPECT_TRUE(server_->Shutdown().ok());  // again
+  EXPECT_EQ(client_->Localize(QueryAt(2.0, "a session")).status().code(), StatusCode::kUnavailable);
+}
+
+TEST_F(LifecycleTest, APortInUseIsAnError) {
+  ServerOptions second = options_;
+  second.listen = Address();
+  second.port_file.clear();
+  second.store = folder_.File("another");
+  EXPECT_EQ(Server::Start(second).status().reason(), "CANNOT_LISTEN");
+  EXPECT_TRUE(client_->Localize(QueryAt(2.0)).ok());
+}
+
+TEST_F(LifecycleTest, AMissingStoreIsMade) {
+  ServerOptions fresh = options_;
+  fresh.store = folder_.File("fresh");
+  fresh.port_file.clear();
+  const Result<std::unique_ptr<Server>> server = Server::Start(fresh);
+  ASSERT_TRUE(server.ok()) << server.status().ToString();
+  const Client client("127.0.0.1:" + std::to_string(server.value()->port()));
+  EXPECT_TRUE(client.ListMaps()->empty());
+}
+
+TEST_F(LifecycleTest, AFileThatIsNoStoreIsRefusedAndLeftAlone) {
+  ServerOptions wrong = options_;
+  wrong.store = folder_.File("letter.txt");
+  std::ofstream(wrong.store) << "Dear robot, this is not a database.\n";
+  const Result<std::unique_ptr<Server>> server = Server::Start(wrong);
+  ASSERT_FALSE(server.ok());
+  EXPECT_NE(server.status().message().find(wrong.store), std::string::npos);
+  EXPECT_EQ(Content(wrong.store), "Dear robot, this is not a database.\n");
+}
+
+TEST_F(LifecycleTest, APortFileThatCannotBeWrittenIsAnError) {
+  ServerOptions options = options_;
+  options.port_file = folder_.File("no/such/folder/port");
+  EXPECT_EQ(Server::Start(options).status().reason(), "CANNOT_WRITE");
+}
+
+}  // namespace
+}  // namespace maploc::testing

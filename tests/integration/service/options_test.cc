@@ -1,0 +1,54 @@
+// Built-in defaults < configuration file < environment < flag.
+#include "server/app/options.h"
+
+#include <cstdlib>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/contract/store/store_fixture.h"
+
+namespace maploc::testing {
+namespace {
+
+class OptionsTest : public ::testing::Test {
+ protected:
+  ~OptionsTest() override { unsetenv("MAPLOC_LISTEN"); }
+
+  static CommandLine Parse(std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), "maploc-server");
+    return ParseCommandLine(static_cast<int>(arguments.size()), arguments.data());
+  }
+  std::string Config(const std::string& text) const {
+    std::ofstream(folder_.File("config.toml")) << text;
+    return folder_.File("config.toml");
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(OptionsTest, TheNearerOneWins) {
+  const std::string config = Config("store = \"from-file\"\nlisten = \"file:1\"\nworkers = 3\n");
+  EXPECT_EQ(Parse({"--store", "s"}).options.listen, "127.0.0.1:50051");
+  EXPECT_EQ(Parse({"--config", config.c_str()}).options.store, "from-file");
+  EXPECT_EQ(Parse({"--config", config.c_str()}).options.workers, 3);
+  EXPECT_EQ(Parse({"--config", config.c_str()}).options.listen, "file:1");
+  setenv("MAPLOC_LISTEN", "environment:2", 1);
+  EXPECT_EQ(Parse({"--config", config.c_str()}).options.listen, "environment:2");
+  EXPECT_EQ(Parse({"--config", config.c_str(), "--listen", "flag:3"}).options.listen, "flag:3");
+}
+
+TEST_F(OptionsTest, WrongUsageIsTwoAndUnusableFilesAreOne) {
+  EXPECT_EQ(Parse({}).exit_code, 2);
+  EXPECT_EQ(Parse({"--store", "s", "--nonsense"}).exit_code, 2);
+  EXPECT_EQ(Parse({"--store", "s", "--workers", "many"}).exit_code, 2);
+  EXPECT_EQ(Parse({"--store", "s", "--listen", "localhost"}).exit_code, 2);
+  EXPECT_EQ(Parse({"--store", "s", "--listen", "localhost:65536"}).exit_code, 2);
+  EXPECT_EQ(Parse({"--store", "s", "--config", "missing.toml"}).exit_code, 1);
+  EXPECT_EQ(Parse({"--store", "s", "--config", Config("nonsense = 1\n").c_str()}).exit_code, 1);
+  EXPECT_EQ(Parse({"--help"}).exit_code, 0);
+  EXPECT_EQ(Parse({"--store", "s"}).exit_code, std::nullopt);
+}
+
+}  // namespace
+}  // namespace maploc::testing
