@@ -36,6 +36,23 @@ double TukeyWeight(double error2, double threshold2) {
   return inside > 0 ? inside * inside : 0.0;
 }
 
+// Cheap looks before the derivatives: most features are outliers.
+bool IsPointNear(const PoseMatrix& pose, const PointCorrespondence& point, double threshold2) {
+  const Eigen::Vector3d q = pose.rotation * point.position_in_map + pose.translation;
+  const Eigen::Vector2d error_times_depth = q.head<2>() - q.z() * point.normalized;
+  return q.z() > 0 && error_times_depth.squaredNorm() < threshold2 * q.z() * q.z();
+}
+
+bool IsLineNear(const PoseMatrix& pose, const LineCorrespondence& line, double threshold2) {
+  const Eigen::Vector3d start = pose.rotation * line.segment_in_map.start + pose.translation;
+  const Eigen::Vector3d along =
+      pose.rotation * (line.segment_in_map.end - line.segment_in_map.start);
+  const Eigen::Vector3d moment = start.cross(along);
+  const double e0 = moment.head<2>().dot(line.normalized.start) + moment.z();
+  const double e1 = moment.head<2>().dot(line.normalized.end) + moment.z();
+  return std::max(e0 * e0, e1 * e1) < threshold2 * moment.head<2>().squaredNorm();
+}
+
 void AddFeatures(const PoseProblem& problem, double threshold, const PoseMatrix& pose,
                  NormalEquations* equations) {
   const double threshold2 = threshold * threshold;
@@ -43,11 +60,12 @@ void AddFeatures(const PoseProblem& problem, double threshold, const PoseMatrix&
   Eigen::Vector2d error;
   Jacobian26 jacobian;
   for (const PointCorrespondence& point : problem.points) {
-    if (!IsPointInlier(pose, point, threshold)) continue;
-    PointReprojection(pose, point, &error, &jacobian);
+    if (!IsPointNear(pose, point, threshold2)) continue;
+    if (!PointReprojection(pose, point, &error, &jacobian)) continue;
     equations->Add(error, jacobian, TukeyWeight(error.squaredNorm(), threshold2));
   }
   for (const LineCorrespondence& line : problem.lines) {
+    if (!IsLineNear(pose, line, threshold2)) continue;
     if (!IsLineInlier(pose, line, threshold, min_length)) continue;
     LineReprojection(pose, line, &error, &jacobian);
     equations->Add(error, jacobian, TukeyWeight(0.5 * error.squaredNorm(), threshold2));

@@ -12,7 +12,7 @@ namespace {
 
 // Share of all-inlier samples that lead to the pose: gates, noise and gravity spoil the others,
 // local optimization repairs some (measured 0.4 to 0.8; README).
-constexpr double kYield = 0.5;
+constexpr double kYield = 0.8;
 // A rejected draw is drawn again this often before the iteration counts as spent.
 constexpr int kMaxRedraws = 10;
 constexpr int kPollInterval = 16;  // iterations between two looks at the clock
@@ -20,6 +20,11 @@ constexpr int kPollInterval = 16;  // iterations between two looks at the clock
 constexpr double kLocalThresholds[] = {4.0, 2.0, 1.0, 1.0};
 // A pose as good as the best so far has an inlier in the pre-test's block with 1 - exp(-3) = 95%.
 constexpr double kBlockInliers = 3.0;
+
+// Runners-up are optimized while the features looked at stay below so many an iteration.
+constexpr double kRunnerUpFeatures = 3.0;
+constexpr double kRunnerUpShare = 0.5;  // of the best sampled score
+constexpr int kMinRunnerUpInliers = 3;  // one more than the sample
 
 class Search {
  public:
@@ -47,6 +52,7 @@ class Search {
         break;
       }
       ++result_.iterations;
+      runner_up_features_ += kRunnerUpFeatures;
       if (Iterate()) required = Required();
     }
     return result_;
@@ -78,11 +84,25 @@ class Search {
     const ScoringPose scoring_pose = ToScoringPose(pose);
     if (!PassesPretest(scoring_pose)) return false;
     const Support support = Score(scoring_pose);
-    if (support.score <= best_sampled_score_) return false;
-    best_sampled_score_ = support.score;
-    const bool improved = Keep(pose, support) | OptimizeLocally(pose);
-    UpdateBlock(support);
-    return improved;
+    if (!IsWorthOptimizing(support)) return false;
+    const bool is_best = support.score > best_sampled_score_;
+    if (is_best) {
+      best_sampled_score_ = support.score;
+      UpdateBlock(support);
+    }
+    return Keep(pose, support) | OptimizeLocally(pose);
+  }
+
+  // A new best is, always. A runner-up is where it costs little: with few inliers, or gravity a
+  // degree off, the true pose's samples score hardly more than chance before they are optimized.
+  bool IsWorthOptimizing(const Support& support) {
+    if (support.score > best_sampled_score_) return true;
+    if (support.inliers < kMinRunnerUpInliers ||
+        support.score < kRunnerUpShare * best_sampled_score_ || runner_up_features_ <= 0) {
+      return false;
+    }
+    runner_up_features_ -= static_cast<double>(prepared_.points.size() + prepared_.lines.size());
+    return true;
   }
 
   // A fresh random block a hypothesis: a fixed one would judge all by the same few points.
@@ -183,6 +203,7 @@ class Search {
   ScoringOptions scoring_;
   std::size_t block_;  // points of the pre-test; all of them: no pre-test
   double best_sampled_score_ = 0.0;
+  double runner_up_features_ = 0.0;  // that may still be looked at
   int last_line_inliers_ = 0;
   SearchResult result_;
 };
