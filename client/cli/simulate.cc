@@ -22,7 +22,7 @@ constexpr char kExample[] =
     "  maploc simulate --write-world campus\n"
     "  maploc-map import-colmap --store maps.db --map campus --model campus/model \\\n"
     "      --database campus/database.db --descriptors orb --lines campus/lines.txt \\\n"
-    "      --gravity 0,0,-1 --scale 1 --segment-length 40\n"
+    "      --gravity 0,0,-1 --scale 1 --segment-length 45\n"
     "  maploc simulate --server 127.0.0.1:50051 --map campus --picture campus.svg";
 
 // Where the camera, turned to the right, mostly looks: this far ahead along the lane.

@@ -7,8 +7,8 @@ constexpr std::array<std::string_view, 4> kNames = {"summer", "autumn", "winter"
 
 // A row a kind, a column a season (in the enums' order).
 constexpr Change kChanges[6][4] = {
-    // wall points: corners keep, posters and shadows go
-    {{0.10, 0.20, 0.04}, {0.20, 0.40, 0.08}, {0.30, 0.55, 0.11}, {0.20, 0.40, 0.08}},
+    // corners on walls: light and shadow move, notices go, one window looks like the next
+    {{0.10, 0.30, 0.04}, {0.20, 0.50, 0.08}, {0.30, 0.60, 0.11}, {0.20, 0.50, 0.08}},
     // leaves: even in summer the wind moves them; in winter there are none, and twigs instead
     {{0.15, 0.40, 0.05}, {0.30, 0.60, 0.10}, {0.50, 0.75, 0.13}, {0.30, 0.60, 0.10}},
     // stones and kerbs: under leaves in autumn, under snow in winter

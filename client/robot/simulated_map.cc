@@ -28,7 +28,9 @@ class MappingDrive {
 
   void Drive() {
     const int frames = static_cast<int>(world_.LaneLength() / options_.spacing_m);
-    for (int i = 0; i < frames; ++i) AddKeyFrame(i, i * world_.LaneLength() / frames);
+    for (int i = 0; i < frames; ++i) {
+      AddKeyFrame(i, options_.start_m + i * world_.LaneLength() / frames);
+    }
     AddPoints();
     AddLines();
   }
@@ -69,7 +71,6 @@ class MappingDrive {
     model_.images.emplace(image.id, std::move(image));
   }
 
-  // A mapping pipeline knows a track by its geometry, so a look-alike among its descriptors stays.
   void AddPoints() {
     for (const auto& [landmark, track] : point_tracks_) {
       if (static_cast<int>(track.size()) < options_.min_track) continue;

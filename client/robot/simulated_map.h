@@ -14,7 +14,9 @@ struct MappingOptions {
   double position_noise_m = 0.01;  // of mapped landmarks, each axis
   int min_track = 3;               // key frames that must have seen a landmark
   int max_line_descriptors = 6;    // of a line, spread over its track
-  SightOptions sight{.clutter_points = 0, .clutter_lines = 0};
+  double start_m = -8.0;           // along the lane: the camera looks ahead
+  // Within one drive nothing changes its look, so that tracks hold together.
+  SightOptions sight{.clutter_points = 0, .clutter_lines = 0, .look_alikes = false};
 };
 
 struct MappingSummary {

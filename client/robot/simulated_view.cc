@@ -101,12 +101,29 @@ class Looker {
     const Eigen::Vector3d whole = b - a;
     a += whole * random_.Uniform(0.0, kMaxShareCut);
     b -= whole * random_.Uniform(0.0, kMaxShareCut);
-    const Eigen::Vector2d pixel_a = *camera_.Project(a);
-    const Eigen::Vector2d pixel_b = *camera_.Project(b);
-    if (!IsInImage(pixel_a) || !IsInImage(pixel_b) || (pixel_a - pixel_b).norm() < kMinLinePx) {
-      return std::nullopt;
+    const auto visible = Clip({*camera_.Project(a), *camera_.Project(b)});
+    if (!visible || (visible->end - visible->start).norm() < kMinLinePx) return std::nullopt;
+    return LineSegment2{Noisy(visible->start), Noisy(visible->end)};
+  }
+
+  // The part inside the image (Liang and Barsky).
+  std::optional<LineSegment2> Clip(const LineSegment2& line) const {
+    const Eigen::Vector2d whole = line.end - line.start;
+    const Eigen::Vector2d last(camera_.width_px() - 1.0, camera_.height_px() - 1.0);
+    double from = 0.0;
+    double to = 1.0;
+    for (int axis = 0; axis < 2; ++axis) {
+      if (whole[axis] == 0.0) {
+        if (line.start[axis] < 0.0 || line.start[axis] > last[axis]) return std::nullopt;
+        continue;
+      }
+      const double at_first = -line.start[axis] / whole[axis];
+      const double at_last = (last[axis] - line.start[axis]) / whole[axis];
+      from = std::max(from, std::min(at_first, at_last));
+      to = std::min(to, std::max(at_first, at_last));
     }
-    return LineSegment2{Noisy(pixel_a), Noisy(pixel_b)};
+    if (from >= to) return std::nullopt;
+    return LineSegment2{line.start + from * whole, line.start + to * whole};
   }
 
   bool IsInImage(const Eigen::Vector2d& pixel) const {
@@ -126,7 +143,7 @@ class Looker {
   template <typename Landmark>
   BinaryDescriptor Seen(const std::vector<Landmark>& landmarks, int index, const Change& change) {
     const Landmark& landmark = landmarks[index];
-    const bool disguised = random_.Uniform() < change.look_alike;
+    const bool disguised = options_.look_alikes && random_.Uniform() < change.look_alike;
     const Landmark& shown = disguised ? LookAlike(landmarks, landmark) : landmark;
     return Flipped(shown.descriptor, change.flip, random_);
   }
@@ -186,7 +203,7 @@ class Looker {
 }  // namespace
 
 Camera SimulatedCamera() {
-  return *Camera::Create(CameraModel::kPinhole, 640, 480, {320.0, 320.0, 319.5, 239.5});
+  return *Camera::Create(CameraModel::kPinhole, 640, 480, {380.0, 380.0, 319.5, 239.5});
 }
 
 Sight Look(const World& world, const Camera& camera, const Rigid3& camera_from_world, Season season,

@@ -13,10 +13,11 @@
 namespace maploc {
 
 struct SightOptions {
-  double max_range_m = 25.0;
+  double max_range_m = 20.0;
   double noise_px = 0.7;  // of keypoints, and of line ends across the line
   int clutter_points = 40;
   int clutter_lines = 8;
+  bool look_alikes = true;  // Change::look_alike; off, what is seen shows its own descriptor
 };
 
 // The features, and the landmark behind each (index into the world's points or lines): what stands
@@ -28,7 +29,7 @@ struct Sight {
   std::vector<int> line_landmarks;
 };
 
-// 640 x 480, 90 degrees wide.
+// 640 x 480, 80 degrees wide.
 Camera SimulatedCamera();
 
 Sight Look(const World& world, const Camera& camera, const Rigid3& camera_from_world, Season season,

@@ -11,16 +11,16 @@ constexpr double kHouseLengthM = 10.0;
 constexpr double kHouseGapM = 2.5;
 constexpr double kHouseOffsetM = 7.0;  // of its front from the lane's middle
 constexpr double kFloorHeightM = 3.2;
-constexpr double kWindowWidthM = 1.2;
+constexpr double kWindowWidthM = 1.0;
 constexpr double kWindowHeightM = 1.5;
 constexpr int kFloors = 2;
-constexpr int kWindowsAFloor = 4;
-constexpr int kWallTexturePoints = 20;  // of a house: stains, lamps, notices
+constexpr int kWindowsAFloor = 5;
+constexpr int kWallTexturePoints = 30;  // of a house: stains, lamps, notices
 constexpr int kBushesAStretch = 3;      // of a structured one
 constexpr int kLeavesABush = 10;
 constexpr int kTreesAStretch = 16;  // of an unstructured one
-constexpr int kLeavesATree = 24;
-constexpr int kBranchesATree = 9;
+constexpr int kLeavesATree = 32;
+constexpr int kBranchesATree = 32;
 constexpr int kGroundPointsAStretch = 40;
 
 class Builder {
@@ -87,7 +87,7 @@ class Builder {
     for (int floor = 0; floor < kFloors; ++floor) {
       for (int window = 0; window < kWindowsAFloor; ++window) {
         const double u = (window + 0.5) * kHouseLengthM / kWindowsAFloor - kWindowWidthM / 2.0 +
-                         random_.Uniform(-0.3, 0.3);
+                         random_.Uniform(-0.25, 0.25);
         const double v = floor * kFloorHeightM + 0.9 + random_.Uniform(-0.15, 0.15);
         AddOutline(at(u, v), at(u + kWindowWidthM, v), at(u + kWindowWidthM, v + kWindowHeightM),
                    at(u, v + kWindowHeightM), wall);
@@ -123,7 +123,7 @@ class Builder {
     AddCrown(top, crown_m, kLeavesATree);
     for (int i = 0; i < kBranchesATree; ++i) {
       const Eigen::Vector3d from = top + Direction() * random_.Uniform(0.1, 0.6) * crown_m;
-      AddLine({from, from + Direction() * random_.Uniform(0.6, 1.6)}, LandmarkKind::kBranchLine,
+      AddLine({from, from + Direction() * random_.Uniform(1.0, 2.5)}, LandmarkKind::kBranchLine,
               -1);
     }
   }

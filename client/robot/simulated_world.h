@@ -16,7 +16,7 @@ namespace maploc {
 
 struct CampusOptions {
   int stretches = 6;  // structured and unstructured by turns, beginning with structured; at least 2
-  double stretch_length_m = 40.0;
+  double stretch_length_m = 45.0;
   std::uint64_t seed = 1;
 };
 
