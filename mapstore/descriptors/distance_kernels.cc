@@ -24,20 +24,20 @@ constexpr int RoundUp(int value, int multiple) {
 }
 
 // Lays chunks of kChunkRows out as [group][row][group bytes]; bytes beyond the descriptor and rows
-// beyond `count` are zeros. `Convert` turns a byte into the layout's element.
-template <typename Element, int kGroup, class Convert>
-void PackTransposed(const std::uint8_t* rows, int count, int row_bytes, Element* tile,
-                    const Convert& convert) {
+// beyond `count` are zeros.
+template <typename Element, int kGroup>
+void PackTransposed(const std::uint8_t* rows, int count, int row_bytes, Element* tile) {
   const int groups = RoundUp(row_bytes, kGroup) / kGroup;
-  for (int row = 0; row < RoundUp(count, kChunkRows); ++row) {
-    Element* chunk =
-        tile + static_cast<std::size_t>(row / kChunkRows) * groups * kGroup * kChunkRows;
-    for (int byte = 0; byte < groups * kGroup; ++byte) {
-      const bool inside = row < count && byte < row_bytes;
-      const std::size_t from = static_cast<std::size_t>(row) * row_bytes + byte;
-      chunk[(byte / kGroup * kChunkRows + row % kChunkRows) * kGroup + byte % kGroup] =
-          inside ? convert(rows[from]) : Element{0};
+  const std::size_t chunk_size = static_cast<std::size_t>(groups) * kGroup * kChunkRows;
+  std::memset(tile, 0, RoundUp(count, kChunkRows) / kChunkRows * chunk_size * sizeof(Element));
+  for (int row = 0; row < count; ++row) {
+    const std::uint8_t* from = rows + static_cast<std::size_t>(row) * row_bytes;
+    Element* to = tile + row / kChunkRows * chunk_size + row % kChunkRows * kGroup;
+    int byte = 0;
+    for (; byte + kGroup <= row_bytes; byte += kGroup, to += kGroup * kChunkRows) {
+      for (int i = 0; i < kGroup; ++i) to[i] = from[byte + i];
     }
+    for (int i = 0; byte + i < row_bytes; ++i) to[i] = from[byte + i];
   }
 }
 
@@ -65,7 +65,7 @@ constexpr auto kSame = [](std::uint8_t byte) { return byte; };
 constexpr int kHammingGroup = 4;
 
 void PackHammingRows(const std::uint8_t* rows, int count, int row_bytes, std::uint8_t* tile) {
-  PackTransposed<std::uint8_t, kHammingGroup>(rows, count, row_bytes, tile, kSame);
+  PackTransposed<std::uint8_t, kHammingGroup>(rows, count, row_bytes, tile);
 }
 
 void HammingDistances(int row_bytes, const std::uint8_t* block, const std::uint8_t* tile,
@@ -268,7 +268,7 @@ void PackRows(DescriptorMetric metric, const std::uint8_t* rows, int count, int 
     return;
   }
   PackTransposed<L2RowElement, kL2Group>(rows, count, row_bytes,
-                                         reinterpret_cast<L2RowElement*>(tile), kSame);
+                                         reinterpret_cast<L2RowElement*>(tile));
   for (int row = 0; row < RoundUp(count, kChunkRows); ++row) {
     const std::uint8_t* bytes = rows + static_cast<std::size_t>(row) * row_bytes;
     constants[row] = row < count ? L2RowConstant(std::span(bytes, row_bytes)) : 0;

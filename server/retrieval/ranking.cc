@@ -24,6 +24,18 @@ Descriptors EvenSample(const Descriptors& all, int max_rows) {
   return sample;
 }
 
+std::int64_t CountRows(const std::vector<int>& candidates, Segments segments) {
+  std::int64_t rows = 0;
+  for (const int s : candidates) rows += segments[s]->points.descriptors.size();
+  return rows;
+}
+
+int FeatureBudget(std::int64_t rows, const RetrievalOptions& options) {
+  const std::int64_t affordable = options.max_pairs / std::max<std::int64_t>(rows, 1);
+  return static_cast<int>(
+      std::clamp<std::int64_t>(affordable, options.min_features, options.max_features));
+}
+
 struct Candidate {
   int segment = 0;
   double distance = 0.0;  // from the prior to the path, in the prior's sigmas
@@ -41,12 +53,13 @@ std::vector<Candidate> NearPrior(const PosePrior& prior, Segments segments,
   return near;
 }
 
-// The first `count` of `segments` in the order of `better`, ties by id.
-template <class Better>
-std::vector<int> Best(std::vector<int> segments, int count, const Better& better) {
-  std::stable_sort(segments.begin(), segments.end(), better);
-  if (static_cast<int>(segments.size()) > count) segments.resize(count);
-  return segments;
+// The first `count` of `candidates` by falling score (by segment), ties by id.
+template <typename Score>
+std::vector<int> Best(std::vector<int> candidates, int count, const std::vector<Score>& score) {
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [&](int a, int b) { return score[a] > score[b]; });
+  if (static_cast<int>(candidates.size()) > count) candidates.resize(count);
+  return candidates;
 }
 
 std::vector<int> BestByDistance(std::vector<Candidate> near) {
@@ -57,19 +70,47 @@ std::vector<int> BestByDistance(std::vector<Candidate> near) {
   return ranked;
 }
 
+// Matching one by one costs the segments' overlap more than one search over the map, but its
+// ranking is better: landmarks that were mapped twice do not fail each other's ratio test.
+std::vector<int> RankByFeatures(const Descriptors& all_features, std::vector<int> candidates,
+                                Segments segments, const PlaceIndex& places,
+                                const RetrievalOptions& options) {
+  const Descriptors features =
+      EvenSample(all_features, FeatureBudget(CountRows(candidates, segments), options));
+  const int segment_count = static_cast<int>(segments.size());
+  if (static_cast<int>(candidates.size()) > options.max_shortlist) {
+    const std::vector<int> votes = CountVotes(features, places, segment_count, options.max_ratio);
+    candidates = Best(std::move(candidates), options.max_shortlist, votes);
+    std::sort(candidates.begin(), candidates.end());
+  }
+  std::vector<double> scores(segment_count, 0.0);
+  for (const int s : candidates) {
+    scores[s] = SegmentScore(features, *segments[s], options.max_ratio);
+  }
+  return Best(std::move(candidates), options.max_segments, scores);
+}
+
 }  // namespace
 
-std::vector<int> CountVotes(const PointFeatures& features, const PlaceIndex& places,
-                            int segment_count, const RetrievalOptions& options) {
+std::vector<int> CountVotes(const Descriptors& features, const PlaceIndex& places,
+                            int segment_count, float max_ratio) {
   std::vector<int> votes(segment_count, 0);
-  const Descriptors sample = EvenSample(features.descriptors, options.max_features);
-  if (sample.size() == 0 || places.landmark_count() == 0) return votes;
-  const MatchOptions match{.max_ratio = options.max_ratio, .mutual = false};
-  for (const FeatureMatch& m :
-       MatchDescriptors(sample, places.descriptors(), places.row_landmark(), match)) {
-    for (const std::int32_t segment : places.SegmentsOf(m.landmark)) ++votes[segment];
+  const MatchOptions options{.max_ratio = max_ratio, .mutual = false};
+  for (const FeatureMatch& match :
+       MatchDescriptors(features, places.descriptors(), places.row_landmark(), options)) {
+    for (const std::int32_t segment : places.SegmentsOf(match.landmark)) ++votes[segment];
   }
   return votes;
+}
+
+double SegmentScore(const Descriptors& features, const Segment& segment, float max_ratio) {
+  const PointLandmarks& points = segment.points;
+  double score = 0.0;
+  for (const FeatureMatch& match : MatchDescriptors(
+           features, points.descriptors, points.descriptor_landmark, {.max_ratio = max_ratio})) {
+    score += 1.0 - static_cast<double>(match.ratio);
+  }
+  return score;
 }
 
 std::vector<int> RankSegments(const PointFeatures& features, const std::optional<PosePrior>& prior,
@@ -84,10 +125,7 @@ std::vector<int> RankSegments(const PointFeatures& features, const std::optional
     for (const Candidate& candidate : near) candidates.push_back(candidate.segment);
   }
   if (candidates.size() <= 1) return candidates;
-  const std::vector<int> votes =
-      CountVotes(features, places, static_cast<int>(segments.size()), options);
-  return Best(std::move(candidates), options.max_segments,
-              [&](int a, int b) { return votes[a] > votes[b]; });
+  return RankByFeatures(features.descriptors, std::move(candidates), segments, places, options);
 }
 
 }  // namespace maploc

@@ -1,6 +1,7 @@
 // Which segments could this query be in? Best first. Deterministic; thread-safe.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -13,26 +14,35 @@
 namespace maploc {
 
 struct RetrievalOptions {
-  int max_segments = 3;     // the answer's length at most
-  int max_features = 500;   // of the query that vote, evenly spread over its order
-  float max_ratio = 0.8f;   // of a vote: nearest to second nearest landmark of the whole map
+  int max_segments = 3;  // the answer's length at most
+  // Of the query that are matched, evenly spread over its order: as many as max_pairs allows
+  // (features x descriptor rows), between these bounds.
+  int max_features = 500;
+  int min_features = 100;
+  std::int64_t max_pairs = 20'000'000;
+  int max_shortlist = 16;   // segments that are matched one by one
+  float max_ratio = 0.9f;   // of a match: nearest to second nearest landmark
   double max_sigmas = 4.0;  // farther from the prior (plus the segment's reach) is left out
 };
 
 // Indices into `segments`, best first, at most max_segments.
-// * With a prior: the segments whose path lies within max_sigmas of it, plus their reach; nearest
-//   first where they are few enough to be tried all, else ranked by votes among them. Empty when
-//   there is none (OUT_OF_MAP). A segment without a path is never left out.
-// * Without: all segments that get a vote, by votes; ties, and segments without votes, by id.
-// A vote is a query feature whose nearest landmark of the whole map passes the ratio test; it
-// counts for each segment that holds the landmark. REQUIRES: `places` was built from `segments`;
-// the features' kind is the map's.
+// * A prior leaves out the segments whose path is farther from it than max_sigmas plus their reach;
+//   where none is left the answer is empty (OUT_OF_MAP). A segment without a path is never left
+//   out. No more than max_segments left: nearest first, and nothing is matched.
+// * More than max_shortlist candidates: those with most votes stay (CountVotes).
+// * The rest is matched with each segment and ranked by SegmentScore; ties by id.
+// REQUIRES: `places` was built from `segments`; the features' kind is the map's.
 std::vector<int> RankSegments(const PointFeatures& features, const std::optional<PosePrior>& prior,
                               std::span<const std::shared_ptr<const Segment>> segments,
                               const PlaceIndex& places, const RetrievalOptions& options = {});
 
-// Votes for each segment, as above.
-std::vector<int> CountVotes(const PointFeatures& features, const PlaceIndex& places,
-                            int segment_count, const RetrievalOptions& options = {});
+// One search over the whole map: a feature whose nearest landmark passes the ratio test votes for
+// each segment that holds it.
+std::vector<int> CountVotes(const Descriptors& features, const PlaceIndex& places,
+                            int segment_count, float max_ratio);
+
+// Sum of (1 - ratio) over the mutual ratio matches of the features with the segment: a clear match
+// counts more than one that barely passes, and those are mostly false.
+double SegmentScore(const Descriptors& features, const Segment& segment, float max_ratio);
 
 }  // namespace maploc

@@ -97,6 +97,41 @@ TEST_F(RankingTest, ThePlaceThatIsSeenWinsWithoutPrior) {
   EXPECT_EQ(Rank(40, std::nullopt).front(), 3);
 }
 
+// A long map is searched as a whole first; the segment that is seen must survive the shortlist.
+TEST_F(RankingTest, TheShortlistKeepsThePlaceThatIsSeen) {
+  options_ = {.max_segments = 1, .max_shortlist = 1};
+  EXPECT_THAT(Rank(5, std::nullopt), ElementsAre(0));
+  EXPECT_THAT(Rank(28, std::nullopt), ElementsAre(2));
+  EXPECT_THAT(Rank(40, std::nullopt), ElementsAre(3));
+}
+
+// Two segments mapped the same wall apart, so that each of its landmarks has a twin. A search over
+// the whole map finds no clear match there; segment by segment there is one.
+TEST(SegmentScoreTest, TwinsInAnotherSegmentDoNotHideAPlace) {
+  Random random = testing::TestRandom();
+  const auto wall = [&](int id) {
+    auto segment = std::make_shared<Segment>();
+    segment->id = id;
+    segment->points.descriptors.kind = kKind;
+    Random same = testing::TestRandom(1);
+    for (int i = 0; i < 30; ++i) {
+      const std::vector<std::uint8_t> row = RandomRow(same);
+      segment->points.ids.push_back(100 * id + i);
+      segment->points.positions_in_map.emplace_back(i, 0, 0);
+      segment->points.descriptors.bytes.insert(segment->points.descriptors.bytes.end(), row.begin(),
+                                               row.end());
+      segment->points.descriptor_landmark.push_back(i);
+    }
+    return std::shared_ptr<const Segment>(segment);
+  };
+  const std::vector<std::shared_ptr<const Segment>> segments = {wall(0), wall(1)};
+  Descriptors seen = segments[0]->points.descriptors;
+  for (std::uint8_t& byte : seen.bytes) byte ^= random.Below(4) == 0 ? 1 << random.Below(8) : 0;
+  const std::vector<int> votes = CountVotes(seen, PlaceIndex::Build(segments), 2, 0.8f);
+  EXPECT_EQ(votes[0], 0);
+  EXPECT_GT(SegmentScore(seen, *segments[0], 0.8f), 20.0);
+}
+
 TEST_F(RankingTest, AtABorderBothNeighboursAreCandidates) {
   EXPECT_THAT(Rank(12, std::nullopt), ::testing::UnorderedElementsAre(0, 1));
 }
