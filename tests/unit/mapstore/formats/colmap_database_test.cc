@@ -1,0 +1,189 @@
+#include <limits>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "mapstore/formats/colmap.h"
+#include "tests/support/seed.h"
+#include "tests/unit/mapstore/formats/scratch_folder.h"
+
+namespace maploc {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class ColmapDatabaseTest : public ::testing::Test {
+ protected:
+  ColmapDatabaseTest() : path_(folder_.File("data base#1?.db")) {}
+
+  void Execute(const std::string& sql) {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(path_.c_str(), &database), SQLITE_OK);
+    char* error = nullptr;
+    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, &error), SQLITE_OK) << error;
+    sqlite3_close(database);
+  }
+  void MakeTables() {
+    Execute(
+        "CREATE TABLE images (image_id INTEGER PRIMARY KEY, name TEXT, camera_id INTEGER);"
+        "CREATE TABLE keypoints (image_id INTEGER PRIMARY KEY, rows INTEGER, cols INTEGER, data "
+        "BLOB);"
+        "CREATE TABLE descriptors (image_id INTEGER PRIMARY KEY, rows INTEGER, cols INTEGER, data "
+        "BLOB);");
+  }
+  static std::string Hex(const void* data, std::size_t size) {
+    std::string hex = "x'";
+    for (std::size_t i = 0; i < size; ++i) {
+      char digits[3];
+      std::snprintf(digits, sizeof(digits), "%02x", static_cast<const unsigned char*>(data)[i]);
+      hex += digits;
+    }
+    return hex + "'";
+  }
+  void AddImage(int id, const std::string& name, const std::vector<float>& keypoints, int cols,
+                int descriptor_rows, int descriptor_cols) {
+    const std::vector<unsigned char> descriptors(
+        static_cast<std::size_t>(descriptor_rows * descriptor_cols),
+        static_cast<unsigned char>(id));
+    const int rows = cols == 0 ? 0 : static_cast<int>(keypoints.size()) / cols;
+    const std::string key = std::to_string(id);
+    Execute("INSERT INTO images VALUES (" + key + ", '" + name + "', 1);" +
+            "INSERT INTO keypoints VALUES (" + key + ", " + std::to_string(rows) + ", " +
+            std::to_string(cols) + ", " + Hex(keypoints.data(), keypoints.size() * 4) + ");" +
+            "INSERT INTO descriptors VALUES (" + key + ", " + std::to_string(descriptor_rows) +
+            ", " + std::to_string(descriptor_cols) + ", " +
+            Hex(descriptors.data(), descriptors.size()) + ");");
+  }
+  std::string Error(const std::optional<DescriptorKind>& kind = std::nullopt) {
+    const auto database = ReadColmapDatabase(path_, kind);
+    if (database.ok()) return "read";
+    EXPECT_THAT(database.status().message(), HasSubstr(path_));
+    return database.status().message();
+  }
+
+  testing::ScratchFolder folder_;
+  std::string path_;
+};
+
+TEST_F(ColmapDatabaseTest, ReadsKeypointsOfTwoFourAndSixColumnsInOurPixels) {
+  MakeTables();
+  AddImage(1, "two.jpg", {1.5, 2.5, 3.5, 4.5}, 2, 2, 128);
+  AddImage(2, "four.jpg", {1.5, 2.5, 9, 9, 3.5, 4.5, 9, 9}, 4, 2, 128);
+  AddImage(3, "six.jpg", {1.5, 2.5, 9, 9, 9, 9, 3.5, 4.5, 9, 9, 9, 9}, 6, 2, 128);
+  Execute("INSERT INTO images VALUES (4, 'none.jpg', 1)");
+  const auto database = ReadColmapDatabase(path_);
+  ASSERT_TRUE(database.ok()) << database.status().ToString();
+  ASSERT_EQ(database->size(), 4u);
+  for (const char* name : {"two.jpg", "four.jpg", "six.jpg"}) {
+    const ColmapFeatures& features = database->at(name);
+    EXPECT_THAT(features.points.keypoints_px,
+                ElementsAre(Eigen::Vector2f(1, 2), Eigen::Vector2f(3, 4)));
+    EXPECT_EQ(features.points.descriptors.kind.name, "sift_root_u8");
+    EXPECT_EQ(features.points.descriptors.size(), 2);
+    EXPECT_EQ(features.points.descriptors.row(1)[127], features.image_id);
+  }
+  EXPECT_TRUE(database->at("none.jpg").points.keypoints_px.empty());
+}
+
+TEST_F(ColmapDatabaseTest, TheKindIsGuessedFromTheColumnsUnlessItIsGiven) {
+  MakeTables();
+  AddImage(1, "a.jpg", {1, 2}, 2, 1, 48);
+  EXPECT_EQ(ReadColmapDatabase(path_)->at("a.jpg").points.descriptors.kind.name, "binary48");
+  EXPECT_THAT(Error(*DescriptorKindFromName("orb")), HasSubstr("descriptors of kind orb have 32"));
+  AddImage(2, "b.jpg", {1, 2}, 2, 1, 32);
+  EXPECT_THAT(Error(), HasSubstr("image 2: has 32 columns"));
+}
+
+TEST_F(ColmapDatabaseTest, LeavesNothingBesideTheFile) {
+  MakeTables();
+  Execute("PRAGMA journal_mode = WAL");
+  AddImage(1, "a.jpg", {1, 2}, 2, 1, 128);
+  const auto before = std::filesystem::last_write_time(path_);
+  std::filesystem::permissions(path_, std::filesystem::perms::owner_read);
+  ASSERT_TRUE(ReadColmapDatabase(path_).ok());
+  EXPECT_EQ(std::filesystem::last_write_time(path_), before);
+  EXPECT_FALSE(std::filesystem::exists(path_ + "-wal"));
+  EXPECT_FALSE(std::filesystem::exists(path_ + "-shm"));
+}
+
+TEST_F(ColmapDatabaseTest, ADatabaseThatIsBeingWrittenIsRefused) {
+  MakeTables();
+  folder_.Write("data base#1?.db-wal", "pages");
+  EXPECT_THAT(Error(), HasSubstr("write-ahead log"));
+}
+
+TEST_F(ColmapDatabaseTest, RefusesRowsThatDisagree) {
+  MakeTables();
+  AddImage(1, "a.jpg", {1, 2, 3, 4}, 2, 1, 128);
+  EXPECT_THAT(Error(), HasSubstr("has 1 rows, but there are 2 keypoints"));
+  Execute("UPDATE descriptors SET rows = 2");
+  EXPECT_THAT(Error(), HasSubstr("its data has 128 bytes, rows and cols say 256"));
+  Execute("UPDATE descriptors SET rows = -1");
+  EXPECT_THAT(Error(), HasSubstr("out of range"));
+  Execute("UPDATE descriptors SET rows = 9223372036854775807, cols = 9223372036854775807");
+  EXPECT_THAT(Error(), HasSubstr("out of range"));
+  Execute("UPDATE keypoints SET data = NULL");
+  EXPECT_THAT(Error(), HasSubstr("its data has 0 bytes"));
+}
+
+TEST_F(ColmapDatabaseTest, RefusesKeypointsThatAreNotPositions) {
+  MakeTables();
+  AddImage(1, "a.jpg", {1, 2, 3}, 3, 1, 128);
+  EXPECT_THAT(Error(), HasSubstr("cols is 3, not 2, 4 or 6"));
+  Execute("DELETE FROM images; DELETE FROM keypoints; DELETE FROM descriptors");
+  AddImage(2, "b.jpg", {1, std::numeric_limits<float>::quiet_NaN()}, 2, 1, 128);
+  EXPECT_THAT(Error(), HasSubstr("image 2: keypoint 0 is not finite"));
+}
+
+TEST_F(ColmapDatabaseTest, RefusesTwoImagesOfOneName) {
+  MakeTables();
+  AddImage(1, "a.jpg", {1, 2}, 2, 1, 128);
+  AddImage(2, "a.jpg", {1, 2}, 2, 1, 128);
+  EXPECT_THAT(Error(), HasSubstr("'a.jpg' stands twice"));
+}
+
+TEST_F(ColmapDatabaseTest, RefusesOtherFiles) {
+  EXPECT_EQ(ReadColmapDatabase(path_).status().code(), StatusCode::kNotFound);
+  folder_.Write("data base#1?.db", std::string(5000, 'x'));
+  EXPECT_THAT(Error(), HasSubstr("is not an SQLite database"));
+  std::filesystem::remove(path_);
+  Execute("CREATE TABLE other (x)");
+  EXPECT_THAT(Error(), HasSubstr("is not a COLMAP database"));
+}
+
+TEST_F(ColmapDatabaseTest, EveryTruncationIsRefused) {
+  MakeTables();
+  AddImage(1, "a.jpg", std::vector<float>(400, 1.0f), 2, 200, 128);
+  const std::string whole = folder_.Read("data base#1?.db");
+  for (std::size_t length = 0; length < whole.size(); length += 97) {
+    folder_.Write("data base#1?.db", whole.substr(0, length));
+    EXPECT_NE(Error(), "read") << length;
+  }
+}
+
+TEST_F(ColmapDatabaseTest, NoDamageCrashesIt) {
+  MakeTables();
+  AddImage(1, "a.jpg", std::vector<float>(400, 1.0f), 2, 200, 128);
+  const std::string whole = folder_.Read("data base#1?.db");
+  Random random = testing::TestRandom();
+  for (int i = 0; i < 200; ++i) {
+    std::string damaged = whole;
+    for (int flips = 0; flips < 8; ++flips) {
+      damaged[random.Below(static_cast<std::uint32_t>(damaged.size()))] =
+          static_cast<char>(random.Below(256));
+    }
+    folder_.Write("data base#1?.db", damaged);
+    const auto database = ReadColmapDatabase(path_);
+    if (!database.ok()) continue;
+    for (const auto& [name, features] : *database) {
+      EXPECT_EQ(features.points.keypoints_px.size(),
+                static_cast<std::size_t>(features.points.descriptors.size()));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace maploc
