@@ -48,7 +48,9 @@ void FillArrays(PreparedProblem* prepared, Random& random) {
   for (std::uint32_t i = static_cast<std::uint32_t>(order.size()); i > 1; --i) {
     std::swap(order[i - 1], order[random.Below(i)]);
   }
+  prepared->place_in_arrays.resize(order.size());
   for (const std::uint32_t i : order) {
+    prepared->place_in_arrays[i] = static_cast<std::uint32_t>(prepared->point_arrays.count);
     const PointCorrespondence& point = prepared->centred.points[i];
     const Eigen::Vector3f p = point.position_in_map.cast<float>();
     const Eigen::Vector2f seen = point.normalized.cast<float>();

@@ -37,10 +37,11 @@ struct PreparedProblem {
   Eigen::Matrix3d camera_from_aligned_matrix;
   std::vector<PreparedPoint> points;
   std::vector<PreparedLine> lines;
-  std::vector<std::int32_t> usable_lines;    // indices into `lines`
-  std::vector<std::int32_t> vertical_lines;  // indices into `lines`
-  PointArrays point_arrays;                  // in random order, padded
-  LineArrays line_arrays;                    // padded
+  std::vector<std::int32_t> usable_lines;      // indices into `lines`
+  std::vector<std::int32_t> vertical_lines;    // indices into `lines`
+  PointArrays point_arrays;                    // in random order, padded
+  std::vector<std::uint32_t> place_in_arrays;  // of each point
+  LineArrays line_arrays;                      // padded
 };
 
 // `random` orders the scoring arrays, so that any block of them is a random sample.

@@ -74,6 +74,7 @@ Hypotheses Sampler::Draw(Random& random) {
       break;
   }
   CountDraw(passed);
+  if (out.sampled_points == 0) out.points[out.sampled_points++] = first;
   return out;
 }
 
@@ -95,6 +96,9 @@ bool Sampler::DrawTwoPoints(std::uint32_t first, std::uint32_t second, Hypothese
           gate_ * kMinConditioning) {
     return false;
   }
+  out->sampled_points = 2;
+  out->points[0] = first;
+  out->points[1] = second;
   AlignedPose poses[2];
   AddAligned(poses, SolveUp2p(a.ray_in_aligned, a.position, b.ray_in_aligned, b.position, poses),
              out);
@@ -154,7 +158,9 @@ bool Sampler::DrawThreePoints(std::uint32_t first, Random& random, Hypotheses* o
   Eigen::Vector3d rays[3];
   Eigen::Vector3d positions[3];
   const std::uint32_t sample[3] = {first, second, third};
+  out->sampled_points = 3;
   for (int i = 0; i < 3; ++i) {
+    out->points[i] = sample[i];
     rays[i] = prepared_.points[sample[i]].ray_in_camera;
     positions[i] = prepared_.points[sample[i]].position;
   }

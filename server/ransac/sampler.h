@@ -23,6 +23,8 @@ inline constexpr int kMaxPosesOfSample = 4;
 
 struct Hypotheses {
   int count = 0;
+  int sampled_points = 0;
+  std::uint32_t points[3] = {0, 0, 0};  // of the sample, indices into PreparedProblem::points
   PoseMatrix camera_from_centred[kMaxPosesOfSample];
 };
 

@@ -75,14 +75,14 @@ class Search {
     }
     bool improved = false;
     for (int i = 0; i < hypotheses.count; ++i) {
-      improved |= Consider(hypotheses.camera_from_centred[i]);
+      improved |= Consider(hypotheses, hypotheses.camera_from_centred[i]);
     }
     return improved;
   }
 
-  bool Consider(const PoseMatrix& pose) {
+  bool Consider(const Hypotheses& sample, const PoseMatrix& pose) {
     const ScoringPose scoring_pose = ToScoringPose(pose);
-    if (!PassesPretest(scoring_pose)) return false;
+    if (!PassesPretest(sample, scoring_pose)) return false;
     const Support support = Score(scoring_pose);
     if (!IsWorthOptimizing(support)) return false;
     const bool is_best = support.score > best_sampled_score_;
@@ -105,13 +105,19 @@ class Search {
     return true;
   }
 
-  // A fresh random block a hypothesis: a fixed one would judge all by the same few points.
-  bool PassesPretest(const ScoringPose& pose) {
+  // A fresh random block a hypothesis: a fixed one would judge all by the same few points. The
+  // sample's own points agree anyway and do not count.
+  bool PassesPretest(const Hypotheses& sample, const ScoringPose& pose) {
     const std::size_t size = prepared_.point_arrays.x.size();
     if (2 * block_ > size) return true;
     const std::uint32_t starts = static_cast<std::uint32_t>((size - block_) / kScoringPad + 1);
     const std::size_t begin = kScoringPad * random_.Below(starts);
-    return ScorePoints(prepared_.point_arrays, begin, begin + block_, pose, scoring_).inliers > 0;
+    int own = 0;
+    for (int i = 0; i < sample.sampled_points; ++i) {
+      const std::size_t place = prepared_.place_in_arrays[sample.points[i]];
+      own += place >= begin && place < begin + block_ ? 1 : 0;
+    }
+    return ScorePoints(prepared_.point_arrays, begin, begin + block_, pose, scoring_).inliers > own;
   }
 
   void UpdateBlock(const Support& sampled) {
