@@ -1,0 +1,219 @@
+// Runs the binary itself: exit codes, JSON keys and where its words go (interface.md).
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include "tests/contract/store/store_fixture.h"
+
+namespace maploc::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+struct Output {
+  int exit_code = -1;
+  std::string out;
+  std::string error;
+};
+
+class MaplocMap : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto opened = OpenSqliteStore(store_);
+    ASSERT_TRUE(opened.ok());
+    MapStore& store = **opened;
+    key_ = GiveMap(store);
+    ASSERT_TRUE(store.StartSession(OpenSession("s", key_)).ok());
+    std::vector<Observation> seen;
+    for (int i = 1; i <= 20; ++i) seen.push_back(Seen(i, 1, 100, 20, 20, 16));
+    seen.push_back(Missed(21, 1));
+    ASSERT_TRUE(store.EndSession("s", SessionEnd::kByRobot, 5000, seen).ok());
+    ASSERT_TRUE(store.StartSession(OpenSession("open", key_, 2000)).ok());
+  }
+  // REQUIRES: no quotes in `arguments`. $STORE stands for the store's path.
+  Output Map(std::string arguments) {
+    if (const auto at = arguments.find("$STORE"); at != std::string::npos) {
+      arguments.replace(at, 6, store_);
+    }
+    const std::string errors = folder_.File("stderr");
+    const std::string command =
+        std::string(MAPLOC_BIN_DIR) + "/maploc-map " + arguments + " 2>" + errors;
+    Output run;
+    FILE* pipe = popen(command.c_str(), "r");
+    std::array<char, 4096> buffer;
+    for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) {
+      run.out.append(buffer.data(), n);
+    }
+    run.exit_code = WEXITSTATUS(pclose(pipe));
+    std::ifstream file(errors);
+    run.error = {std::istreambuf_iterator<char>(file), {}};
+    return run;
+  }
+  json Json(const std::string& arguments) {
+    const Output run = Map(arguments + " --json");
+    EXPECT_EQ(run.exit_code, 0) << run.error;
+    EXPECT_EQ(run.error, "");
+    const json document = json::parse(run.out, nullptr, false);
+    EXPECT_FALSE(document.is_discarded()) << run.out;
+    return document;
+  }
+  // Exit code 1, one line on standard error that holds `cause`, nothing on standard output.
+  void ExpectFails(const std::string& arguments, const std::string& cause) {
+    const Output run = Map(arguments);
+    EXPECT_EQ(run.exit_code, 1) << arguments;
+    EXPECT_EQ(run.out, "");
+    EXPECT_THAT(run.error, HasSubstr(cause));
+    EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << run.error;
+  }
+
+  TemporaryFolder folder_;
+  std::string store_ = folder_.File("campus.db");
+  MapKey key_;
+};
+
+TEST_F(MaplocMap, EveryCommandHelpsWithAnExample) {
+  for (const std::string command : {"list", "segments", "stats", "strategy", "explain", "sessions",
+                                    "verify", "backup", "plot"}) {
+    const Output run = Map(command + " --help");
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_THAT(run.out, HasSubstr("maploc-map " + command + " --store")) << command;
+    EXPECT_EQ(run.error, "");
+  }
+  EXPECT_EQ(Map("--help").exit_code, 0);
+}
+
+TEST_F(MaplocMap, WrongUsageIsTwo) {
+  for (const char* wrong :
+       {"", "frobnicate", "list", "list --store $STORE --frob", "segments --store $STORE",
+        "strategy --store $STORE --map yard", "strategy --store $STORE --map yard --segment two",
+        "strategy --store $STORE --map yard --segment 1 --pin p3p",
+        "strategy --store $STORE --map yard --segment 1 --pin 2p --unpin", "backup --store $STORE",
+        "list --store"}) {
+    const Output run = Map(wrong);
+    EXPECT_EQ(run.exit_code, 2) << wrong;
+    EXPECT_EQ(run.out, "");
+    EXPECT_NE(run.error, "");
+  }
+}
+
+TEST_F(MaplocMap, AFailureIsOneWithItsCause) {
+  const std::string none = folder_.File("none.db");
+  ExpectFails("list --store " + none, "none.db: there is no such store");
+  EXPECT_FALSE(std::filesystem::exists(none));
+  const std::string text = folder_.File("notes.txt");
+  std::ofstream(text) << "not a database";
+  ExpectFails("verify --store " + text, "notes.txt: is not a maploc store");
+  ExpectFails("segments --store $STORE --map nowhere", "map 'nowhere' does not exist");
+  ExpectFails("strategy --store $STORE --map yard --segment 9", "segment 9 of map 'yard'");
+  ExpectFails("backup --store $STORE --to " + text, "exists already");
+  ExpectFails("plot --store $STORE --map yard --out " + folder_.File("no/plan.svg"), "plan.svg");
+}
+
+TEST_F(MaplocMap, ListSaysWhatThereIs) {
+  const json maps = Json("list --store $STORE");
+  ASSERT_EQ(maps.size(), 1u);
+  const json want = {{"map", "yard"}, {"version", 1}, {"metric", true},   {"segments", 3},
+                     {"points", 320}, {"lines", 7},   {"usable_lines", 4}};
+  for (const auto& [key, value] : want.items()) EXPECT_EQ(maps[0].at(key), value) << key;
+}
+
+TEST_F(MaplocMap, SegmentsTellWhatSessionsTaught) {
+  const json segments = Json("segments --store $STORE --map yard");
+  ASSERT_EQ(segments.size(), 3u);
+  const json untouched = {{"segment", 0},
+                          {"points", 120},
+                          {"lines", 3},
+                          {"usable_lines", 2},
+                          {"strategy", "mixed"},
+                          {"strategy_source", "default"},
+                          {"sessions", 0},
+                          {"queries", 0},
+                          {"localized", 0},
+                          {"point_inlier_ratio", nullptr},
+                          {"line_inlier_ratio", nullptr}};
+  for (const auto& [key, value] : untouched.items()) EXPECT_EQ(segments[0].at(key), value) << key;
+  const json& visited = segments[1];
+  EXPECT_EQ(visited.at("strategy"), "1p1l");
+  EXPECT_EQ(visited.at("strategy_source"), "learned");
+  EXPECT_EQ(visited.at("sessions"), 1);
+  EXPECT_EQ(visited.at("queries"), 21);
+  EXPECT_EQ(visited.at("localized"), 20);
+  EXPECT_DOUBLE_EQ(visited.at("point_inlier_ratio"), 0.2);
+  EXPECT_DOUBLE_EQ(visited.at("line_inlier_ratio"), 18.0 / 25.0);
+}
+
+TEST_F(MaplocMap, StatsAreEqualWhenRecomputed) {
+  const json stats = Json("stats --store $STORE --map yard --recompute");
+  ASSERT_EQ(stats.size(), 3u);
+  EXPECT_EQ(stats[1].at("point_matches"), 2000.0);
+  EXPECT_EQ(stats[1].at("typical_point_matches"), 100.0);
+  EXPECT_EQ(stats[1].at("recomputed_equal"), true);
+  EXPECT_THAT(Map("stats --store $STORE --map yard --recompute").out, HasSubstr("equal"));
+}
+
+TEST_F(MaplocMap, AStrategyCanBePinnedAndGivenBack) {
+  const std::string segment = "strategy --store $STORE --map yard --segment 1";
+  EXPECT_EQ(Json(segment).at("strategy"), "1p1l");
+  const json pinned = Json(segment + " --pin 2p");
+  EXPECT_EQ(pinned.at("strategy"), "2p");
+  EXPECT_EQ(pinned.at("strategy_source"), "pinned");
+  EXPECT_EQ(Json("segments --store $STORE --map yard")[1].at("strategy_source"), "pinned");
+  const json unpinned = Json(segment + " --unpin");
+  EXPECT_EQ(unpinned.at("strategy"), "1p1l");
+  EXPECT_EQ(unpinned.at("strategy_source"), "learned");
+  const json why = Json("explain --store $STORE --map yard --segment 1");
+  EXPECT_EQ(why.at("decisions").size(), 3u);
+  EXPECT_GT(why.at("draws").at("1p1l").at("success_probability"),
+            why.at("draws").at("2p").at("success_probability"));
+}
+
+TEST_F(MaplocMap, SessionsAreListed) {
+  const json sessions = Json("sessions --store $STORE");
+  ASSERT_EQ(sessions.size(), 2u);
+  EXPECT_EQ(sessions[0].at("session"), "s");
+  EXPECT_EQ(sessions[0].at("state"), "by_robot");
+  EXPECT_EQ(sessions[0].at("queries"), 21);
+  EXPECT_EQ(sessions[0].at("localized"), 20);
+  EXPECT_EQ(sessions[0].at("labels").at("season"), "autumn");
+  EXPECT_EQ(sessions[1].at("state"), "open");
+}
+
+TEST_F(MaplocMap, ABackupIsAStore) {
+  const std::string copy = folder_.File("copy.db");
+  EXPECT_EQ(Json("backup --store $STORE --to " + copy).at("backup"), copy);
+  EXPECT_EQ(Json("verify --store " + copy).at("ok"), true);
+  EXPECT_EQ(Json("segments --map yard --store " + copy),
+            Json("segments --map yard --store $STORE"));
+}
+
+TEST_F(MaplocMap, APlotIsAPicture) {
+  const std::string out = folder_.File("plan.svg");
+  EXPECT_EQ(Json("plot --store $STORE --map yard --out " + out).at("out"), out);
+  std::ifstream file(out);
+  const std::string svg{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_THAT(svg, HasSubstr("<svg"));
+  EXPECT_THAT(svg, HasSubstr("</svg>"));
+}
+
+TEST_F(MaplocMap, TablesAreForPeople) {
+  for (const std::string command :
+       {"list", "segments --map yard", "stats --map yard", "sessions", "verify",
+        "explain --map yard --segment 1", "strategy --map yard --segment 1"}) {
+    const Output run = Map(command + " --store $STORE");
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_NE(run.out, "");
+    EXPECT_TRUE(json::parse(run.out, nullptr, false).is_discarded()) << command;
+    EXPECT_EQ(run.error, "");
+  }
+}
+
+}  // namespace
+}  // namespace maploc::testing
