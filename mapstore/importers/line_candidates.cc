@@ -1,29 +1,42 @@
 #include "mapstore/importers/line_candidates.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <utility>
 
 namespace maploc {
+namespace {
 
-LineObservation LineViews::Observation(LineRef ref) const {
-  const KeyFrame& frame = frames_[static_cast<std::size_t>(ref.frame)];
-  return {frame.camera_from_map, Lines(ref.frame).normalized[static_cast<std::size_t>(ref.line)],
-          frame.camera.MeanFocalLengthPx()};
+// The baseline architecture has no popcount instruction, and the compiler's stand-in looks up a
+// table a byte; this counts in the word (Warren, Hacker's Delight, 5-1).
+int CountBits(std::uint64_t x) {
+  x -= (x >> 1) & 0x5555555555555555u;
+  x = (x & 0x3333333333333333u) + ((x >> 2) & 0x3333333333333333u);
+  x = (x + (x >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+  return static_cast<int>((x * 0x0101010101010101u) >> 56);
+}
+
+}  // namespace
+
+LineViews::LineViews(std::span<const KeyFrame> frames, std::span<const FrameLines> lines)
+    : frames_(frames), lines_(lines) {
+  for (const KeyFrame& frame : frames) focal_px_.push_back(frame.camera.MeanFocalLengthPx());
+  for (const FrameLines& of_frame : lines) {
+    std::vector<Words> words(of_frame.normalized.size());
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      std::memcpy(words[i].data(), of_frame.descriptors.row(static_cast<int>(i)).data(),
+                  sizeof(Words));
+    }
+    words_.push_back(std::move(words));
+  }
 }
 
 int LineViews::DescriptorDistance(LineRef a, LineRef b) const {
-  const std::span<const std::uint8_t> row_a = Descriptor(a);
-  const std::span<const std::uint8_t> row_b = Descriptor(b);
+  const Words& words_a = DescriptorWords(a);
+  const Words& words_b = DescriptorWords(b);
   int distance = 0;
-  for (std::size_t i = 0; i < row_a.size(); i += 8) {
-    std::uint64_t word_a = 0;
-    std::uint64_t word_b = 0;
-    const std::size_t bytes = std::min<std::size_t>(8, row_a.size() - i);
-    std::memcpy(&word_a, &row_a[i], bytes);
-    std::memcpy(&word_b, &row_b[i], bytes);
-    distance += std::popcount(word_a ^ word_b);
+  for (std::size_t i = 0; i < words_a.size(); ++i) {
+    distance += CountBits(words_a[i] ^ words_b[i]);
   }
   return distance;
 }

@@ -1,6 +1,8 @@
 // Step 1 of line triangulation: which segments of a neighbouring frame may show the same line.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -25,22 +27,38 @@ struct LineCandidate {
 // All frames' segments, and how to see them.
 class LineViews {
  public:
-  LineViews(std::span<const KeyFrame> frames, std::span<const FrameLines> lines)
-      : frames_(frames), lines_(lines) {}
+  // REQUIRES: descriptors of 32 bytes. The arguments outlive this.
+  LineViews(std::span<const KeyFrame> frames, std::span<const FrameLines> lines);
 
   int FrameCount() const { return static_cast<int>(frames_.size()); }
   int LineCount(int frame) const { return static_cast<int>(Lines(frame).normalized.size()); }
-  LineObservation Observation(LineRef ref) const;
+  const Rigid3& CameraFromMap(int frame) const { return Frame(frame).camera_from_map; }
+  double FocalLengthPx(int frame) const { return focal_px_[static_cast<std::size_t>(frame)]; }
+  const LineSegment2& Normalized(LineRef ref) const {
+    return Lines(ref.frame).normalized[static_cast<std::size_t>(ref.line)];
+  }
+  LineObservation Observation(LineRef ref) const {
+    return {CameraFromMap(ref.frame), Normalized(ref), FocalLengthPx(ref.frame)};
+  }
   std::span<const std::uint8_t> Descriptor(LineRef ref) const {
     return Lines(ref.frame).descriptors.row(ref.line);
   }
+  // Bits.
   int DescriptorDistance(LineRef a, LineRef b) const;
 
  private:
+  using Words = std::array<std::uint64_t, 4>;
+
+  const KeyFrame& Frame(int frame) const { return frames_[static_cast<std::size_t>(frame)]; }
   const FrameLines& Lines(int frame) const { return lines_[static_cast<std::size_t>(frame)]; }
+  const Words& DescriptorWords(LineRef ref) const {
+    return words_[static_cast<std::size_t>(ref.frame)][static_cast<std::size_t>(ref.line)];
+  }
 
   std::span<const KeyFrame> frames_;
   std::span<const FrameLines> lines_;
+  std::vector<double> focal_px_;
+  std::vector<std::vector<Words>> words_;
 };
 
 // The nearest by descriptor first, at most options.max_candidates of the frame `other_frame`.

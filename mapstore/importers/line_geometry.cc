@@ -153,32 +153,38 @@ double LineErrorPx(const LineObservation& seen, const LineSegment3& line_in_map)
                                          std::abs(line->dot(Homogeneous(seen.normalized.end))));
 }
 
+std::optional<LineSegment2> ProjectSegment(const Rigid3& camera_from_map,
+                                           const LineSegment3& line_in_map) {
+  const Vector3 start = camera_from_map * line_in_map.start;
+  const Vector3 end = camera_from_map * line_in_map.end;
+  if (!(start.z() > 0) || !(end.z() > 0)) return std::nullopt;
+  return LineSegment2{start.head<2>() / start.z(), end.head<2>() / end.z()};
+}
+
+bool SegmentsAgree(const LineSegment2& a, const LineSegment2& b, double max_error,
+                   double min_overlap) {
+  const double length2_a = (a.end - a.start).squaredNorm();
+  const double length2_b = (b.end - b.start).squaredNorm();
+  const LineSegment2& longer = length2_a >= length2_b ? a : b;
+  const LineSegment2& shorter = length2_a >= length2_b ? b : a;
+  if (!(std::min(length2_a, length2_b) > 0)) return false;
+  const double length = std::sqrt(std::max(length2_a, length2_b));
+  const Vector2 direction = (longer.end - longer.start) / length;
+  const Vector2 normal(-direction.y(), direction.x());
+  if (!(std::abs(normal.dot(shorter.start - longer.start)) <= max_error)) return false;
+  if (!(std::abs(normal.dot(shorter.end - longer.start)) <= max_error)) return false;
+  const double from = direction.dot(shorter.start - longer.start);
+  const double to = direction.dot(shorter.end - longer.start);
+  if (!(to > from)) return false;
+  const double shorter_length = std::sqrt(std::min(length2_a, length2_b));
+  return std::min(to, length) - std::max(from, 0.0) >= min_overlap * shorter_length;
+}
+
 bool ShowsLine(const LineObservation& seen, const LineSegment3& line_in_map, double max_error_px,
                double min_overlap) {
-  const Vector3 start = seen.camera_from_map * line_in_map.start;
-  const Vector3 end = seen.camera_from_map * line_in_map.end;
-  if (!(start.z() > 0) || !(end.z() > 0)) return false;
-  const Vector2 p = start.head<2>() / start.z();
-  const Vector2 q = end.head<2>() / end.z();
-  Vector2 a = p, b = q;                                        // the longer one
-  Vector2 c = seen.normalized.start, d = seen.normalized.end;  // the shorter one
-  if ((d - c).norm() > (b - a).norm()) {
-    std::swap(a, c);
-    std::swap(b, d);
-  }
-  const double length = (b - a).norm();
-  const double shorter = (d - c).norm();
-  if (!(shorter > 0)) return false;
-  const Vector2 direction = (b - a) / length;
-  const Vector2 normal(-direction.y(), direction.x());
-  const double max_error = max_error_px / seen.focal_length_px;
-  if (!(std::abs(normal.dot(c - a)) <= max_error) || !(std::abs(normal.dot(d - a)) <= max_error)) {
-    return false;
-  }
-  const double from = direction.dot(c - a);
-  const double to = direction.dot(d - a);
-  if (!(to > from)) return false;
-  return std::min(to, length) - std::max(from, 0.0) >= min_overlap * shorter;
+  const std::optional<LineSegment2> projected = ProjectSegment(seen.camera_from_map, line_in_map);
+  return projected && SegmentsAgree(seen.normalized, *projected,
+                                    max_error_px / seen.focal_length_px, min_overlap);
 }
 
 std::optional<RefinedLine> RefineLine(std::span<const LineObservation> views,

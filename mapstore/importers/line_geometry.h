@@ -28,9 +28,17 @@ std::optional<LineSegment3> IntersectPlanes(const LineObservation& a, const Line
 // projected line; huge when the line cannot be seen there.
 double LineErrorPx(const LineObservation& seen, const LineSegment3& line_in_map);
 
-// Whether `seen` shows `line`: the end points of the shorter of segment and projection lie within
-// max_error_px of the other's line, in the same direction, and they overlap by min_overlap of the
+// The line's two ends in the frame; nullopt when one is not in front of the camera.
+std::optional<LineSegment2> ProjectSegment(const Rigid3& camera_from_map,
+                                           const LineSegment3& line_in_map);
+
+// Whether two segments of one frame are of one line: the end points of the shorter lie within
+// max_error of the longer one's line, in the same direction, and they overlap by min_overlap of the
 // shorter one.
+bool SegmentsAgree(const LineSegment2& a, const LineSegment2& b, double max_error,
+                   double min_overlap);
+
+// Whether `seen` shows `line`: it agrees with the line's projection within max_error_px.
 bool ShowsLine(const LineObservation& seen, const LineSegment3& line_in_map, double max_error_px,
                double min_overlap);
 

@@ -1,6 +1,8 @@
 #include "mapstore/importers/line_triangulator.h"
 
 #include <algorithm>
+#include <iterator>
+#include <limits>
 #include <optional>
 #include <set>
 #include <utility>
@@ -32,9 +34,8 @@ int CountFrames(const std::vector<LineRef>& views) {
 
 class Triangulator {
  public:
-  Triangulator(std::span<const KeyFrame> frames, const LineViews& views,
-               const LineTriangulationOptions& options)
-      : frames_(frames), views_(views), options_(options) {}
+  Triangulator(const LineViews& views, const LineTriangulationOptions& options)
+      : views_(views), options_(options) {}
 
   // Steps 1 and 2 for one segment; nullopt when too few frames show its line.
   std::optional<Hypothesis> Propose(LineRef line, const std::vector<int>& neighbours) const {
@@ -54,15 +55,25 @@ class Triangulator {
     return best;
   }
 
-  // Adds each free segment that shows the line, in any frame, and refines it once more. `taken` has
-  // one entry a frame and segment.
-  bool Extend(Hypothesis& hypothesis, const std::vector<std::vector<char>>& taken) const {
+  // Takes each free segment that shows the line, in the views' frames and their neighbours, and
+  // refines it once more. `taken` has one entry a frame and segment.
+  bool Extend(Hypothesis& hypothesis, std::span<const std::vector<int>> neighbours,
+              const std::vector<std::vector<char>>& taken) const {
+    std::set<int> near;
+    for (const LineRef& view : hypothesis.views) {
+      near.insert(view.frame);
+      const std::vector<int>& others = neighbours[static_cast<std::size_t>(view.frame)];
+      near.insert(others.begin(), others.end());
+    }
     std::vector<LineRef> showing;
-    for (int frame = 0; frame < views_.FrameCount(); ++frame) {
+    for (const int frame : near) {
+      const std::optional<LineSegment2> projected =
+          ProjectSegment(views_.CameraFromMap(frame), hypothesis.line_in_map);
+      if (!projected) continue;
       for (std::int32_t line = 0; line < views_.LineCount(frame); ++line) {
         const LineRef ref{frame, line};
         if (taken[static_cast<std::size_t>(frame)][static_cast<std::size_t>(line)]) continue;
-        if (Shows(ref, hypothesis)) showing.push_back(ref);
+        if (Shows(ref, *projected, hypothesis)) showing.push_back(ref);
       }
     }
     hypothesis.views = std::move(showing);
@@ -74,8 +85,7 @@ class Triangulator {
     const Eigen::Vector3d middle = (hypothesis.line_in_map.start + hypothesis.line_in_map.end) / 2;
     double depth = std::numeric_limits<double>::max();
     for (const LineRef& view : hypothesis.views) {
-      const KeyFrame& frame = frames_[static_cast<std::size_t>(view.frame)];
-      depth = std::min(depth, (frame.camera_from_map * middle).z());
+      depth = std::min(depth, (views_.CameraFromMap(view.frame) * middle).z());
     }
     return sigma_m <= options_.max_relative_sigma * depth;
   }
@@ -85,9 +95,15 @@ class Triangulator {
                   const std::vector<std::vector<LineCandidate>>& candidates) const {
     Hypothesis hypothesis{proposal.line_in_map, {line}, 0, 0};
     for (const auto& of_frame : candidates) {
+      if (of_frame.empty()) continue;
+      const int frame = of_frame.front().other.frame;
+      const std::optional<LineSegment2> projected =
+          ProjectSegment(views_.CameraFromMap(frame), proposal.line_in_map);
+      if (!projected) continue;
+      const double max_error = options_.max_vote_error_px / views_.FocalLengthPx(frame);
       for (const LineCandidate& voter : of_frame) {  // the nearest descriptor that agrees
-        if (!ShowsLine(views_.Observation(voter.other), proposal.line_in_map,
-                       options_.max_vote_error_px, options_.min_overlap)) {
+        if (!SegmentsAgree(views_.Normalized(voter.other), *projected, max_error,
+                           options_.min_overlap)) {
           continue;
         }
         hypothesis.views.push_back(voter.other);
@@ -122,9 +138,10 @@ class Triangulator {
     return false;
   }
 
-  bool Shows(LineRef ref, const Hypothesis& hypothesis) const {
-    if (!ShowsLine(views_.Observation(ref), hypothesis.line_in_map, options_.max_error_px,
-                   options_.min_overlap)) {
+  bool Shows(LineRef ref, const LineSegment2& projected, const Hypothesis& hypothesis) const {
+    if (!SegmentsAgree(views_.Normalized(ref), projected,
+                       options_.max_error_px / views_.FocalLengthPx(ref.frame),
+                       options_.min_overlap)) {
       return false;
     }
     return std::any_of(hypothesis.views.begin(), hypothesis.views.end(), [&](const LineRef& view) {
@@ -132,7 +149,6 @@ class Triangulator {
     });
   }
 
-  std::span<const KeyFrame> frames_;
   const LineViews& views_;
   LineTriangulationOptions options_;
 };
@@ -184,7 +200,7 @@ std::vector<LineTrackInMap> TriangulateLines(std::span<const KeyFrame> frames,
                                              const LineTriangulationOptions& options,
                                              const ProgressFn& progress) {
   const LineViews views(frames, lines);
-  const Triangulator triangulator(frames, views, options);
+  const Triangulator triangulator(views, options);
   std::vector<std::vector<char>> taken;
   for (const FrameLines& of_frame : lines) taken.emplace_back(of_frame.normalized.size(), 0);
   const auto is_taken = [&](const LineRef& view) -> char& {
@@ -194,7 +210,7 @@ std::vector<LineTrackInMap> TriangulateLines(std::span<const KeyFrame> frames,
   for (Hypothesis& hypothesis : ProposeAll(views, triangulator, neighbours, progress)) {
     std::erase_if(hypothesis.views, [&](const LineRef& view) { return is_taken(view) != 0; });
     if (CountFrames(hypothesis.views) < options.min_frames) continue;
-    if (!triangulator.Extend(hypothesis, taken)) continue;
+    if (!triangulator.Extend(hypothesis, neighbours, taken)) continue;
     for (const LineRef& view : hypothesis.views) is_taken(view) = 1;
     tracks.push_back(MakeTrack(views, hypothesis));
   }
