@@ -7,7 +7,7 @@
 #include "client/api/client.h"
 #include "mapstore/store/sqlite_store.h"
 #include "tests/contract/store/store_fixture.h"
-#include "tests/integration/service/process.h"
+#include "tests/support/process.h"
 #include "tests/support/seed.h"
 #include "tests/support/stored_world.h"
 #include "tests/support/wait_for.h"

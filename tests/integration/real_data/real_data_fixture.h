@@ -1,0 +1,147 @@
+// The real binaries on the real data sets: import, serve, replay, read what they report.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/contract/store/store_fixture.h"
+#include "tests/support/process.h"
+#include "tests/support/wait_for.h"
+
+namespace maploc::testing {
+
+using nlohmann::json;
+
+// The folder of the data sets: MAPLOC_SHARED_DATA, else shared/data beside the sources.
+inline std::filesystem::path DataFolder() {
+  const char* folder = std::getenv("MAPLOC_SHARED_DATA");
+  if (folder != nullptr) return folder;
+  return std::filesystem::path(MAPLOC_SOURCE_DIR) / ".." / "shared" / "data";
+}
+
+class RealDataTest : public ::testing::Test {
+ protected:
+  // Skips where the data set is not there.
+  void Require(const std::string& set) {
+    data_ = DataFolder() / set;
+    if (!std::filesystem::exists(data_ / "database.db")) {
+      GTEST_SKIP() << "no real data: " << data_.lexically_normal().string()
+                   << " does not exist; set MAPLOC_SHARED_DATA to the folder that holds it";
+    }
+  }
+
+  std::string Data(const std::string& name) const { return (data_ / name).string(); }
+  const std::string& Address() const { return address_; }
+  std::string Store() const { return folder_.File("store"); }
+
+  // Runs one of the binaries with --json; a failure fails the test and gives null.
+  // REQUIRES: no quotes in the arguments.
+  json Run(const std::string& binary, const std::vector<std::string>& arguments) const {
+    std::string command = std::string(MAPLOC_BIN_DIR) + "/" + binary;
+    for (const std::string& argument : arguments) command += " '" + argument + "'";
+    command += " --json 2>'" + folder_.File("stderr") + "'";
+    FILE* pipe = popen(command.c_str(), "r");
+    std::string out;
+    std::array<char, 4096> buffer;
+    for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) {
+      out.append(buffer.data(), n);
+    }
+    const int exit_code = WEXITSTATUS(pclose(pipe));
+    EXPECT_EQ(exit_code, 0) << command << "\n" << Read("stderr");
+    return exit_code == 0 ? json::parse(out, nullptr, false) : json();
+  }
+
+  // From now on the store is served; the server before this one is ended first.
+  void Serve(const std::string& store) {
+    StopServing();
+    server_ = std::make_unique<Process>(
+        std::vector<std::string>{std::string(MAPLOC_BIN_DIR) + "/maploc-server", "--store", store,
+                                 "--listen", "127.0.0.1:0", "--port-file", folder_.File("port")},
+        folder_.File("server-stderr"));
+    ASSERT_TRUE(WaitFor([&] { return std::filesystem::exists(folder_.File("port")); }))
+        << Read("server-stderr");
+    std::string port = Read("port");
+    port.pop_back();
+    address_ = "127.0.0.1:" + port;
+  }
+  void StopServing() {
+    if (server_ == nullptr) return;
+    server_->Signal(SIGTERM);
+    EXPECT_EQ(server_->Wait(), 0) << Read("server-stderr");
+    server_.reset();
+  }
+
+  json Replay(const std::string& map, const std::string& session,
+              const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments = {"replay", "--server", address_,     "--map",
+                                          map,      "--colmap", Data(session)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const json report = Run("maploc", arguments);
+    if (report.is_object()) Print(session, report);
+    return report;
+  }
+
+  // Segments by id: queries and localized queries, as maploc-map tells them.
+  std::map<int, std::array<std::int64_t, 2>> SegmentCounts(const std::string& map) const {
+    std::map<int, std::array<std::int64_t, 2>> counts;
+    const json segments = Run("maploc-map", {"segments", "--store", Store(), "--map", map});
+    for (const json& segment : segments) {
+      counts[segment["segment"]] = {segment["queries"], segment["localized"]};
+    }
+    return counts;
+  }
+
+  static std::vector<json> Queries(const json& report) {
+    return report["per_query"].get<std::vector<json>>();
+  }
+  static bool Within(const json& query, double metres, double degrees) {
+    return query["outcome"] == "LOCALIZED" && query["translation_error_m"] <= metres &&
+           query["rotation_error_deg"] <= degrees;
+  }
+  // All errors of a key, those of unanswered queries as infinity.
+  static std::vector<double> Errors(const std::vector<json>& queries, const char* key) {
+    std::vector<double> errors;
+    for (const json& query : queries) {
+      errors.push_back(query[key].is_null() ? HUGE_VAL : query[key].get<double>());
+    }
+    std::sort(errors.begin(), errors.end());
+    return errors;
+  }
+  static double Median(const std::vector<double>& sorted) {
+    const std::size_t half = sorted.size() / 2;
+    return sorted.size() % 2 == 1 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
+  }
+
+  std::string Read(const std::string& name) const {
+    std::ifstream file(folder_.File(name));
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  const TemporaryFolder folder_;
+
+ private:
+  static void Print(const std::string& session, json report) {
+    report.erase("per_query");
+    std::cout << session << ": " << report.dump() << "\n";
+  }
+
+  std::filesystem::path data_;
+  std::unique_ptr<Process> server_;
+  std::string address_;
+};
+
+}  // namespace maploc::testing
