@@ -12,9 +12,12 @@ namespace maploc {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kMaxPairSide = 500;
+constexpr std::size_t kMaxPairSide = 250;
 // Displacements by the same distance in the map differ in the image by about this share.
 constexpr double kPerspectiveShare = 0.05;
+// Outliers that lie this close are the tail of the same pose's noise and of badly triangulated
+// landmarks, and all alike in that; a pattern repeats at larger steps.
+constexpr double kNearMissThresholds = 4.0;
 
 double LogChoose(int n, int k) {
   return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
@@ -123,12 +126,19 @@ Agreement LineAgreement(const std::vector<LineCorrespondence>& lines,
   const std::size_t step = Step(lines.size());
   for (std::size_t j = 0; j < lines.size(); j += step) {
     if (inliers[j] != 0) continue;
+    // Where landmark j is seen under the pose; an empty line when it is not.
+    const Eigen::Vector3d start = pose.rotation * lines[j].segment_in_map.start + pose.translation;
+    const Eigen::Vector3d along =
+        pose.rotation * (lines[j].segment_in_map.end - lines[j].segment_in_map.start);
+    const Eigen::Vector3d moment = start.cross(along);
+    const double norm = moment.head<2>().norm();
+    const bool visible = norm > 0 && std::max(start.z(), start.z() + along.z()) > 0 &&
+                         ProjectedLength(pose, lines[j].segment_in_map) >= min_length;
     for (std::size_t i = 0; i < lines.size(); i += step) {
       if (i == j || LiesOn(lines[i].normalized, image_lines[j], 2.0 * threshold)) continue;
       ++agreement.wrong_pairs.pairs;
-      LineCorrespondence wrong = lines[j];
-      wrong.normalized = lines[i].normalized;
-      agreement.wrong_pairs.agreeing += IsLineInlier(pose, wrong, threshold, min_length) ? 1 : 0;
+      agreement.wrong_pairs.agreeing +=
+          visible && LiesOn(lines[i].normalized, moment / norm, threshold) ? 1 : 0;
     }
   }
   return agreement;
@@ -145,7 +155,9 @@ double SharedDisplacementRate(const std::vector<PointCorrespondence>& points,
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d q = pose.rotation * points[i].position_in_map + pose.translation;
     if (inliers[i] != 0 || q.z() <= 0) continue;
-    outliers.push_back({points[i].normalized, points[i].normalized - q.hnormalized()});
+    const Eigen::Vector2d displacement = points[i].normalized - q.hnormalized();
+    if (displacement.norm() < kNearMissThresholds * threshold) continue;
+    outliers.push_back({points[i].normalized, displacement});
   }
   std::vector<Eigen::Vector2d> displacements;
   for (const Outlier& outlier : outliers) displacements.push_back(outlier.displacement);

@@ -33,7 +33,7 @@ struct Agreement {
   PairCount wrong_pairs;     // (feature i, outlier's landmark j) with i and j seen apart
 };
 
-// `threshold` in the plane z = 1. Looks at no more than about 500 x 500 pairs, evenly spread.
+// `threshold` in the plane z = 1. Looks at no more than about 250 x 250 pairs, evenly spread.
 Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
                          const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
                          double threshold);

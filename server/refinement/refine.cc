@@ -94,8 +94,8 @@ class Refiner {
     ceres::Solver::Options solver;
     solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     solver.max_num_iterations = kMaxSolverIterations;
-    solver.function_tolerance = 1e-10;
-    solver.parameter_tolerance = 1e-12;
+    solver.function_tolerance = 1e-8;
+    solver.parameter_tolerance = 1e-9;
     solver.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &least_squares, &summary);
