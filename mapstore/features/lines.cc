@@ -10,9 +10,6 @@
 namespace maploc {
 namespace {
 
-constexpr int kMinSidePx =
-    32;  // below, no line of a useful length fits and LBD's pyramid has no room
-
 float Length(const cv::Vec4f& s) { return std::hypot(s[2] - s[0], s[3] - s[1]); }
 
 // LSD works on the image reduced to 0.8, which puts pixel x at 0.8 x - 0.1, and then divides by 0.8
@@ -85,7 +82,7 @@ Result<LineFeatures> DetectLines(const GrayImage& image, const LineDetectionOpti
   MAPLOC_ASSIGN_OR_RETURN(const DescriptorKind kind, DescriptorKindFromName("lbd"));
   LineFeatures none;
   none.descriptors.kind = kind;
-  if (std::min(view.cols, view.rows) < kMinSidePx) return none;
+  if (std::min(view.cols, view.rows) < kMinDetectionSidePx) return none;
   try {
     const std::vector<cv::Vec4f> segments = DetectSegments(view, options);
     return segments.empty() ? none : Describe(view, segments, kind);

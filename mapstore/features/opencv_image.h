@@ -10,6 +10,8 @@ namespace maploc {
 
 // The detectors' own arithmetic overflows on sides beyond this.
 inline constexpr int kMaxDetectionSidePx = 16384;
+// Below this a detector finds nothing: neither a descriptor's surroundings nor a line fit.
+inline constexpr int kMinDetectionSidePx = 32;
 
 // Shares the pixels: the view must not outlive `image` and must not be written to. Error:
 // INVALID_ARGUMENT when sides and pixels disagree or a side is beyond kMaxDetectionSidePx.

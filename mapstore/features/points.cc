@@ -108,6 +108,12 @@ Result<PointFeatures> DetectPoints(const GrayImage& image, const DescriptorKind&
                       "' cannot be extracted from photos; use orb, sift_root_u8 or sift_u8, or "
                       "take the features from a database");
   }
+  // OpenCV fails on images that have no room for a pyramid; no keypoint's surroundings fit there.
+  if (std::min(view.cols, view.rows) < kMinDetectionSidePx) {
+    PointFeatures none;
+    none.descriptors.kind = kind;
+    return none;
+  }
   try {
     return is_sift ? DetectSift(view, kind, options.max_features)
                    : DetectOrb(view, kind, options.max_features);
