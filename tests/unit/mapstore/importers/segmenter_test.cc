@@ -1,0 +1,85 @@
+#include "mapstore/importers/segmenter.h"
+
+#include <algorithm>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/seed.h"
+#include "tests/unit/mapstore/importers/drawn_scene.h"
+
+namespace maploc {
+namespace {
+
+std::vector<KeyFrame> Walk(int count, double step) {
+  std::vector<KeyFrame> frames;
+  for (int i = 0; i < count; ++i) frames.push_back(testing::MakeFrame(i, {step * i, 0, 1}));
+  return frames;
+}
+
+TEST(OrderAlongPathTest, NumbersInNamesCountByValue) {
+  std::vector<KeyFrame> frames = Walk(12, 1.0);
+  std::reverse(frames.begin(), frames.end());
+  EXPECT_THAT(OrderAlongPath(frames), ::testing::ElementsAre(11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0));
+}
+
+TEST(OrderAlongPathTest, NamesWithoutOrderGiveWayToNearness) {
+  std::vector<KeyFrame> frames = Walk(20, 1.0);
+  for (int i = 0; i < 20; ++i) {  // names jump across the whole walk
+    frames[static_cast<std::size_t>(i)].name = "p" + std::to_string(i * 7 % 20) + ".jpg";
+  }
+  const std::vector<int> order = OrderAlongPath(frames);
+  for (std::size_t i = 1; i < order.size(); ++i) EXPECT_EQ(std::abs(order[i] - order[i - 1]), 1);
+}
+
+TEST(CutPathTest, CoversEveryFrameInOrderAndOverlaps) {
+  Random random = testing::TestRandom();
+  for (int repetition = 0; repetition < 50; ++repetition) {
+    const int count = 1 + static_cast<int>(random.Below(60));
+    std::vector<KeyFrame> frames;
+    double x = 0;
+    for (int i = 0; i < count; ++i) {
+      x += random.Below(10) == 0 ? 30.0 : random.Uniform(0, 2);
+      frames.push_back(testing::MakeFrame(i, {x, 0, 1}));
+    }
+    const auto segments = CutPath(frames, OrderAlongPath(frames), random.Uniform(0.5, 40));
+    std::set<int> covered;
+    for (std::size_t s = 0; s < segments.size(); ++s) {
+      ASSERT_FALSE(segments[s].empty());
+      for (std::size_t i = 1; i < segments[s].size(); ++i) {
+        EXPECT_EQ(segments[s][i], segments[s][i - 1] + 1);
+      }
+      covered.insert(segments[s].begin(), segments[s].end());
+      if (s == 0) continue;
+      EXPECT_LT(segments[s].front(), segments[s - 1].back()) << "segments must overlap";
+    }
+    EXPECT_EQ(covered.size(), frames.size());
+  }
+}
+
+TEST(CutPathTest, StandingStillOrNoLengthIsOneSegment) {
+  const std::vector<KeyFrame> frames = Walk(5, 0.0);
+  EXPECT_EQ(CutPath(frames, OrderAlongPath(frames), 10).size(), 1u);
+  EXPECT_EQ(CutPath(Walk(5, 1.0), {0, 1, 2, 3, 4}, 0.0).size(), 1u);
+  EXPECT_LE(CutPath(Walk(5, 1.0), {0, 1, 2, 3, 4}, 1e-300).size(), 5u);
+}
+
+TEST(MakeSegmentTest, HoldsWhatItsFramesSawUnderTheSameIds) {
+  const std::vector<KeyFrame> frames = Walk(4, 1.0);
+  const DescriptorKind kind = *DescriptorKindFromName("binary2");
+  const std::vector<PointTrack> points = {
+      {{1, 0, 0}, {0, 1}, {1, 1}}, {{2, 0, 0}, {3}, {2, 2}}, {{3, 0, 0}, {1, 2}, {3, 3, 4, 4}}};
+  const Segment segment = MakeSegment(5, {1, 2}, frames, points, kind, {}, {});
+  EXPECT_EQ(segment.id, 5);
+  EXPECT_THAT(segment.points.ids, ::testing::ElementsAre(0, 2));
+  EXPECT_THAT(segment.points.descriptors.bytes, ::testing::ElementsAre(1, 1, 3, 3, 4, 4));
+  EXPECT_THAT(segment.points.descriptor_landmark, ::testing::ElementsAre(0, 1, 1));
+  EXPECT_EQ(segment.path_in_map.size(), 2u);
+  MapInfo info;
+  info.point_descriptor = kind;
+  EXPECT_TRUE(ValidateSegment(info, segment).ok());
+}
+
+}  // namespace
+}  // namespace maploc
