@@ -1,7 +1,5 @@
 #include "server/sessions/map_cache.h"
 
-#include <limits>
-#include <set>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -54,9 +52,16 @@ MapCache::~MapCache() {
 
 Result<MapCache::Snapshot> MapCache::Newest(const std::string& name) {
   if (Snapshot found = FindNewest(name)) return found;
+  return LoadNewest(name);
+}
+
+Result<MapCache::Snapshot> MapCache::LoadNewest(const std::string& name) {
   const Result<MapSummary> map = store_->GetMap(name);
   if (!map.ok()) return MapNotFound(map.status(), name);
-  return Get(map->info.key);
+  MAPLOC_ASSIGN_OR_RETURN(Snapshot snapshot, Get(map->info.key));
+  const std::lock_guard lock(mutex_);
+  newest_[name] = map->info.key;
+  return snapshot;
 }
 
 Result<MapCache::Snapshot> MapCache::Get(const MapKey& key) {
@@ -76,12 +81,11 @@ MapCache::Snapshot MapCache::Find(const MapKey& key) {
 
 MapCache::Snapshot MapCache::FindNewest(const std::string& name) {
   const std::lock_guard lock(mutex_);
-  auto after = entries_.upper_bound({name, std::numeric_limits<std::int64_t>::max()});
-  if (after == entries_.begin()) return nullptr;
-  --after;
-  if (after->first.name != name) return nullptr;
-  after->second.last_used = std::chrono::steady_clock::now();
-  return after->second.snapshot;
+  const auto newest = newest_.find(name);
+  if (newest == newest_.end()) return nullptr;
+  Entry& entry = entries_.at(newest->second);
+  entry.last_used = std::chrono::steady_clock::now();
+  return entry.snapshot;
 }
 
 Result<MapCache::Snapshot> MapCache::Load(const MapKey& key) {
@@ -129,11 +133,13 @@ std::vector<MapKey> MapCache::LoadedKeys() const {
 }
 
 void MapCache::LoadNewVersions() {
-  std::set<std::string> names;
-  for (const MapKey& key : LoadedKeys()) names.insert(key.name);
+  std::vector<std::string> names;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, key] : newest_) names.push_back(name);
+  }
   for (const std::string& name : names) {
-    const Result<MapSummary> map = store_->GetMap(name);
-    const Status status = map.ok() ? Get(map->info.key).status() : map.status();
+    const Status status = LoadNewest(name).status();
     if (!status.ok()) spdlog::error("map '{}' cannot be loaded: {}", name, status.ToString());
   }
 }
@@ -141,12 +147,11 @@ void MapCache::LoadNewVersions() {
 void MapCache::DropUnused() {
   const auto oldest = std::chrono::steady_clock::now() - options_.keep_unused;
   const std::lock_guard lock(mutex_);
-  for (auto entry = entries_.begin(); entry != entries_.end();) {
-    const auto next = std::next(entry);
-    const bool newest = next == entries_.end() || next->first.name != entry->first.name;
-    if (!newest && entry->second.last_used < oldest) entries_.erase(entry);
-    entry = next;
-  }
+  std::erase_if(entries_, [&](const auto& entry) {
+    const auto newest = newest_.find(entry.first.name);
+    const bool serves = newest != newest_.end() && newest->second == entry.first;
+    return !serves && entry.second.last_used < oldest;
+  });
 }
 
 void MapCache::Run() {

@@ -59,6 +59,7 @@ class MapCache {
   Result<Snapshot> Load(const MapKey& key);
   Status RefreshStrategies(const MapKey& key);
   std::vector<MapKey> LoadedKeys() const;
+  Result<Snapshot> LoadNewest(const std::string& name);
   void LoadNewVersions();
   void DropUnused();
 
@@ -70,6 +71,7 @@ class MapCache {
 
   mutable std::mutex mutex_;  // guards all below; never held over a call of the store
   std::map<MapKey, Entry> entries_;
+  std::map<std::string, MapKey> newest_;  // what Newest serves; an entry is there for each
   std::condition_variable stop_;
   bool stopping_ = false;
   std::thread thread_;

@@ -58,7 +58,8 @@ class SessionManager {
   // One running query of an open session: while it lives the session cannot end. Move-only.
   class Lease {
    public:
-    Lease(Lease&&) noexcept = default;
+    Lease(Lease&& other) noexcept
+        : manager_(std::exchange(other.manager_, nullptr)), open_(std::move(other.open_)) {}
     Lease& operator=(Lease&&) = delete;
     ~Lease();
 
@@ -70,10 +71,7 @@ class SessionManager {
     friend class SessionManager;
     Lease(SessionManager* manager, std::shared_ptr<Open> open);
 
-    struct Nothing {
-      void operator()(SessionManager*) const {}
-    };
-    std::unique_ptr<SessionManager, Nothing> manager_;  // null once moved from
+    SessionManager* manager_;  // null once moved from
     std::shared_ptr<Open> open_;
   };
 

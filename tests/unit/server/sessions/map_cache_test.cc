@@ -48,6 +48,13 @@ TEST_F(MapCacheTest, UnknownMapsAreNotFound) {
   EXPECT_EQ(cache.Get({"street", 9}).status().reason(), "MAP_NOT_FOUND");
 }
 
+TEST_F(MapCacheTest, AnOldVersionOfASessionDoesNotHideTheNewest) {
+  const MapKey newer = testing::ImportWorld(world_, store_.get());
+  MapCache cache(store_.get());
+  ASSERT_EQ(cache.Get(key_).value()->info.key, key_);  // a session that outlived a restart
+  EXPECT_EQ(cache.Newest("street").value()->info.key, newer);
+}
+
 TEST_F(MapCacheTest, AMapThatWasImportedJustNowIsFound) {
   MapCache cache(store_.get());
   ASSERT_TRUE(cache.Newest("street").ok());
