@@ -55,6 +55,7 @@ TEST_F(EurocTest, EachSessionChangesTheSegmentsItVisitedAndNoOthers) {
   for (const std::string& session : kSessions) {
     const json report = ReplaySession(session);
     ASSERT_TRUE(report.is_object());
+    EXPECT_GT(report["localized"], 0) << session;
     auto expected = before;
     for (const json& query : Queries(report)) {
       const int segment = query["segment"];
@@ -77,6 +78,7 @@ TEST_F(EurocTest, EachSessionChangesTheSegmentsItVisitedAndNoOthers) {
 TEST_F(EurocTest, ARestartedServerGivesTheSameAnswers) {
   const json first = ReplaySession("session_1");
   ASSERT_TRUE(first.is_object());
+  ASSERT_GT(first["localized"], 0);
   const auto counts = SegmentCounts("room");
   // The same state on another server: the same answers, to the last digit.
   ASSERT_NO_FATAL_FAILURE(Serve(folder_.File("fresh")));
