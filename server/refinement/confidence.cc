@@ -25,6 +25,10 @@ constexpr double kOddsPerFalseAlarm = 1e4;
 constexpr double kMaxRotationSigmaRad = 5.0 * std::numbers::pi / 180.0;
 constexpr double kMaxPositionSigmaShare = 0.1;
 constexpr double kUndeterminedConfidence = 0.5;
+// Lines of buildings repeat, and agree in whole rows: however many, they count for no more than one
+// in ten thousand. So lines alone never reach 0.99; they help points to.
+constexpr double kLeastLogLineChance = -4.0;
+// Pairs of outliers share a displacement less often than a pattern's commonest one occurs.
 constexpr double kRepeatFactor = 3.0;
 constexpr double kChiSquare2AtOneInTenThousand = 18.42068;
 constexpr double kLeastGravitySigmaRad = 0.1 * std::numbers::pi / 180.0;
@@ -100,8 +104,9 @@ double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pos
   const int used_lines = std::min(kFeaturesOfPose - used_points, lines.distinct_inliers);
   const double log_points = LogBinomialTail(points.matches - used_points,
                                             points.distinct_inliers - used_points, point_rate);
-  const double log_lines =
-      LogBinomialTail(lines.matches - used_lines, lines.distinct_inliers - used_lines, line_rate);
+  const double log_lines = std::max(
+      LogBinomialTail(lines.matches - used_lines, lines.distinct_inliers - used_lines, line_rate),
+      kLeastLogLineChance);
   const double tests = kPosesPerIteration * std::max(options.iterations, kMinIterations);
   return std::log10(tests) + CombineLogPValues(log_points, log_lines);
 }
