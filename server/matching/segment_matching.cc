@@ -14,7 +14,7 @@ std::vector<FeatureMatch> MatchKind(const Descriptors& features, const Descripto
 
 float MaxRatio(const DescriptorKind& kind) {
   if (kind.metric == DescriptorMetric::kL2U8) return 0.85f;
-  return 0.9f;
+  return kind.name == "lbd" ? 0.9f : 0.95f;
 }
 
 Matches MatchSegment(const View& view, const Segment& segment) {
