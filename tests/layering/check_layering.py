@@ -23,7 +23,7 @@ MAY_INCLUDE = {
     "proto/convert": ["mapstore/model"],
     "server/solvers": ["mapstore/model"],
     "server/ransac": ["server/solvers"],
-    "server/refinement": ["mapstore/model"],
+    "server/refinement": ["server/solvers"],
     "server/matching": ["mapstore/descriptors"],
     "server/retrieval": ["mapstore/descriptors"],
     "server/pipeline": ["server/ransac", "server/refinement", "server/matching", "server/retrieval"],
