@@ -40,6 +40,12 @@ StatusCode CodeFromGrpc(grpc::StatusCode code) {
   return static_cast<StatusCode>(code);
 }
 
+// The service repeats its reason behind the message, for tools that show nothing else.
+std::string WithoutSuffix(std::string text, std::string_view suffix) {
+  if (text.ends_with(suffix)) text.resize(text.size() - suffix.size());
+  return text;
+}
+
 Status StatusFromGrpc(const grpc::Status& status, const grpc::ClientContext& context,
                       const std::string& server) {
   if (status.ok()) return Status::Ok();
@@ -47,8 +53,9 @@ Status StatusFromGrpc(const grpc::Status& status, const grpc::ClientContext& con
   const auto& trailer = context.GetServerTrailingMetadata();
   const auto reason = trailer.find(kReasonKey);
   if (reason != trailer.end()) {
-    return Status(code, std::string(reason->second.data(), reason->second.size()),
-                  status.error_message());
+    std::string name(reason->second.data(), reason->second.size());
+    std::string message = WithoutSuffix(status.error_message(), " (" + name + ")");
+    return Status(code, std::move(name), std::move(message));
   }
   return Status(code, std::string(StatusCodeName(code)),
                 "server " + server + ": " + status.error_message());

@@ -63,19 +63,25 @@ Json StageShares(const ReplayReport& report) {
           {"refinement", sum.refinement_ms / sum.total_ms}};
 }
 
-std::vector<std::string> EntryCells(const ReplayEntry& entry) {
+// Without a unit of length an error says something as a share of the scene's depth alone.
+bool TellsDepthShares(const RemoteMap& map, const ReplayReport& report) {
+  return !map.info.metric && report.WithinDepthShare().has_value();
+}
+
+std::vector<std::string> EntryCells(const ReplayEntry& entry, bool depth_shares) {
   const Localization& answer = entry.localization;
   const LineCounts lines = AllLines(answer.evidence);
   const bool localized = answer.outcome == Outcome::kLocalized;
-  std::optional<double> translation_m;
+  std::optional<double> length;
   std::optional<double> rotation_deg;
   if (entry.error) {
-    translation_m = entry.error->translation_m;
+    length = entry.error->translation_m;
+    if (depth_shares && entry.DepthShare()) length = 100.0 * *entry.DepthShare();
     rotation_deg = entry.error->rotation_deg;
   }
   return {entry.name,
           Colour(localized ? Ink::kGreen : Ink::kYellow, std::string(OutcomeName(answer.outcome))),
-          FormatNumber(translation_m, 3),
+          FormatNumber(length, 3),
           FormatNumber(rotation_deg, 2),
           std::to_string(answer.segment),
           std::string(StrategyName(answer.evidence.strategy)),
@@ -85,6 +91,15 @@ std::vector<std::string> EntryCells(const ReplayEntry& entry) {
           std::to_string(lines.inliers) + "/" + std::to_string(lines.matches),
           FormatNumber(answer.evidence.confidence, 3),
           FormatNumber(answer.times.total_ms, 1)};
+}
+
+void PrintEntries(const RemoteMap& map, const ReplayReport& report, std::ostream& out) {
+  const bool depth_shares = TellsDepthShares(map, report);
+  const char* unit = map.info.metric ? "m" : depth_shares ? "% of depth" : "map units";
+  Table table({"query", "outcome", std::string("error ") + unit, "deg", "segment", "strategy",
+               "iterations", "points", "lines", "confidence", "server ms"});
+  for (const ReplayEntry& entry : report.entries) table.AddRow(EntryCells(entry, depth_shares));
+  table.Print(out);
 }
 
 }  // namespace
@@ -137,6 +152,8 @@ Json ReplayJson(const RemoteMap& map, const ReplayReport& report) {
                         {"p99", JsonOrNull(Quantile(latencies_ms, 0.99))}};
   json["metric"] = map.info.metric;  // false: every "_m" is in the map's unknown unit
   json["median_translation_error_depth_share"] = JsonOrNull(report.MedianDepthShare());
+  const std::optional<int> within = report.WithinDepthShare();
+  json["within_1pct_depth_1deg"] = within ? Json(*within) : Json();
   json["server_stage_shares"] = StageShares(report);
   json["segments"] = SummaryJson(report.summary)["segments"];
   json["per_query"] = Json::array();
@@ -145,27 +162,28 @@ Json ReplayJson(const RemoteMap& map, const ReplayReport& report) {
 }
 
 void PrintReplay(const RemoteMap& map, const ReplayReport& report, std::ostream& out) {
-  const std::string unit = map.info.metric ? "m" : "map units";
-  Table table({"query", "outcome", "error " + unit, "deg", "segment", "strategy", "iterations",
-               "points", "lines", "confidence", "server ms"});
-  for (const ReplayEntry& entry : report.entries) table.AddRow(EntryCells(entry));
-  table.Print(out);
-
+  PrintEntries(map, report, out);
   const Metrics metrics = Summarize(report.Errors());
   const std::vector<double> latencies_ms = report.LatenciesMs();
-  out << "\n"
-      << metrics.localized << " of " << metrics.queries << " localized, " << metrics.wrong
-      << " wrong; median error " << FormatNumber(metrics.median_translation_error_m, 3) << " "
-      << unit << ", " << FormatNumber(metrics.median_rotation_error_deg, 3) << " deg";
-  if (const auto share = report.MedianDepthShare(); share && !map.info.metric) {
-    out << " (" << FormatNumber(100.0 * *share, 2) << "% of the scene's depth)";
+  out << "\n" << metrics.localized << " of " << metrics.queries << " localized, ";
+  if (TellsDepthShares(map, report)) {
+    out << *report.WithinDepthShare()
+        << " within 1% of the scene's depth and 1 degree; median error "
+        << FormatNumber(100.0 * report.MedianDepthShare().value_or(0.0), 2) << "% of the depth, ";
+  } else {
+    out << metrics.wrong << " wrong; median error "
+        << FormatNumber(metrics.median_translation_error_m, 3)
+        << (map.info.metric ? " m, " : " map units, ");
   }
-  out << "\nrecall";
-  for (std::size_t i = 0; i < kRecallThresholds.size(); ++i) {
-    out << "  " << kRecallThresholds[i].name << " " << FormatNumber(metrics.recall[i], 3);
+  out << FormatNumber(metrics.median_rotation_error_deg, 3) << " deg\n";
+  if (!TellsDepthShares(map, report)) {
+    out << "recall";
+    for (std::size_t i = 0; i < kRecallThresholds.size(); ++i) {
+      out << "  " << kRecallThresholds[i].name << " " << FormatNumber(metrics.recall[i], 3);
+    }
+    out << "  auc " << FormatNumber(metrics.auc, 3) << "\n";
   }
-  out << "  auc " << FormatNumber(metrics.auc, 3) << "\nlatency p50 "
-      << FormatNumber(Quantile(latencies_ms, 0.5), 1) << " ms, p99 "
+  out << "latency p50 " << FormatNumber(Quantile(latencies_ms, 0.5), 1) << " ms, p99 "
       << FormatNumber(Quantile(latencies_ms, 0.99), 1) << " ms\n\n";
   PrintSummary(report.summary, out);
 }

@@ -1,5 +1,6 @@
 #include "client/robot/replay.h"
 
+#include <algorithm>
 #include <chrono>
 
 namespace maploc {
@@ -55,6 +56,11 @@ class Runner {
 
 }  // namespace
 
+std::optional<double> ReplayEntry::DepthShare() const {
+  if (!error || !scene_depth || *scene_depth <= 0.0) return std::nullopt;
+  return error->translation_m / *scene_depth;
+}
+
 std::vector<std::optional<PoseError>> ReplayReport::Errors() const {
   std::vector<std::optional<PoseError>> errors;
   for (const ReplayEntry& entry : entries) errors.push_back(entry.error);
@@ -70,11 +76,21 @@ std::vector<double> ReplayReport::LatenciesMs() const {
 std::optional<double> ReplayReport::MedianDepthShare() const {
   std::vector<double> shares;
   for (const ReplayEntry& entry : entries) {
-    if (entry.error && entry.scene_depth) {
-      shares.push_back(entry.error->translation_m / *entry.scene_depth);
-    }
+    if (const auto share = entry.DepthShare()) shares.push_back(*share);
   }
   return Quantile(std::move(shares), 0.5);
+}
+
+std::optional<int> ReplayReport::WithinDepthShare() const {
+  if (std::ranges::none_of(
+          entries, [](const ReplayEntry& entry) { return entry.scene_depth.has_value(); })) {
+    return std::nullopt;
+  }
+  return static_cast<int>(std::ranges::count_if(entries, [](const ReplayEntry& entry) {
+    const std::optional<double> share = entry.DepthShare();
+    return share.has_value() && *share <= kGoodDepthShare &&
+           entry.error->rotation_deg <= kGoodRotationDeg;
+  }));
 }
 
 Result<ReplayReport> Replay(const Client& client, const std::string& map, const Robot& robot,

@@ -28,6 +28,10 @@ struct ReplayOptions {
   double prior_sigma = 5.0;  // in the map's unit: how far a robot may come between two queries
 };
 
+// What counts as right where lengths have no unit.
+inline constexpr double kGoodDepthShare = 0.01;
+inline constexpr double kGoodRotationDeg = 1.0;
+
 struct ReplayEntry {
   std::string name;
   Localization localization;
@@ -35,6 +39,9 @@ struct ReplayEntry {
   std::optional<PoseError> error;     // with a pose alone
   std::optional<double> scene_depth;  // Robot::SceneDepth
   double latency_ms = 0.0;            // of the call, as the robot sees it
+
+  // The translation error's share of the scene's depth, where both are known.
+  std::optional<double> DepthShare() const;
 };
 
 struct ReplayReport {
@@ -44,8 +51,10 @@ struct ReplayReport {
 
   std::vector<std::optional<PoseError>> Errors() const;
   std::vector<double> LatenciesMs() const;
-  // Medians over localized queries of known depth of the translation error's share of it.
+  // Median DepthShare of those that have one.
   std::optional<double> MedianDepthShare() const;
+  // Queries within 1% of the scene's depth and 1 degree; nullopt when no depth is known.
+  std::optional<int> WithinDepthShare() const;
 };
 
 // Called after each answer, in order.
