@@ -1,11 +1,10 @@
-// What every store promises (mapstore/store/map_store.h), once, for all of them.
+// What every store promises of sessions, statistics and strategies (mapstore/store/map_store.h).
 #include <atomic>
-#include <functional>
 #include <thread>
 
 #include <gmock/gmock.h>
 
-#include "tests/contract/store/store_fixture.h"
+#include "tests/contract/store/store_contract.h"
 
 namespace maploc::testing {
 namespace {
@@ -14,46 +13,8 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-enum class StoreKind { kInMemory, kSqlite };
-
-std::string NameOf(const ::testing::TestParamInfo<StoreKind>& kind) {
-  return kind.param == StoreKind::kInMemory ? "InMemory" : "Sqlite";
-}
-
-class StoreContract : public ::testing::TestWithParam<StoreKind> {
- protected:
-  void SetUp() override { Open(); }
-  void Open() {
-    store_.reset();
-    if (GetParam() == StoreKind::kInMemory) {
-      store_ = NewInMemoryStore();
-      return;
-    }
-    auto opened = OpenSqliteStore(folder_.File("store.db"));
-    ASSERT_TRUE(opened.ok()) << opened.status().ToString();
-    store_ = std::move(*opened);
-  }
-  void Start(const SessionId& id, const MapKey& map, std::int64_t start = 1000) {
-    const Status status = store_->StartSession(OpenSession(id, map, start));
-    ASSERT_TRUE(status.ok()) << status.ToString();
-  }
-  SessionSummary End(const SessionId& id, const std::vector<Observation>& last = {}) {
-    auto summary = store_->EndSession(id, SessionEnd::kByRobot, 5000, last);
-    EXPECT_TRUE(summary.ok()) << summary.status().ToString();
-    return summary.ok() ? *summary : SessionSummary{};
-  }
-  SegmentSummary At(const MapKey& map, SegmentId id) {
-    auto segment = store_->GetSegment(map, id);
-    EXPECT_TRUE(segment.ok()) << segment.status().ToString();
-    return segment.ok() ? *segment : SegmentSummary{};
-  }
-  std::int64_t Changes() { return store_->ChangeCounter().value(); }
-
-  TemporaryFolder folder_;
-  std::unique_ptr<MapStore> store_;
-};
-
-INSTANTIATE_TEST_SUITE_P(Stores, StoreContract,
+class SessionContract : public StoreContract {};
+INSTANTIATE_TEST_SUITE_P(Stores, SessionContract,
                          ::testing::Values(StoreKind::kInMemory, StoreKind::kSqlite), NameOf);
 
 // Promises of a store that outlives its process.
@@ -61,170 +22,7 @@ class PersistentStoreContract : public StoreContract {};
 INSTANTIATE_TEST_SUITE_P(Stores, PersistentStoreContract, ::testing::Values(StoreKind::kSqlite),
                          NameOf);
 
-TEST_P(StoreContract, AMapComesBackAsItWentIn) {
-  const MapKey key = GiveMap(*store_);
-  const auto map = store_->GetMap("yard");
-  ASSERT_TRUE(map.ok());
-  const MapInfo& info = map->info;
-  EXPECT_EQ(info.key, (MapKey{"yard", 1}));
-  EXPECT_TRUE(info.metric);
-  EXPECT_EQ(info.created_unix_ns, YardInfo().created_unix_ns);
-  EXPECT_EQ(info.map_from_source.scale, YardInfo().map_from_source.scale);
-  EXPECT_EQ(info.map_from_source.rotation.coeffs(), YardInfo().map_from_source.rotation.coeffs());
-  EXPECT_EQ(info.map_from_source.translation, YardInfo().map_from_source.translation);
-  EXPECT_EQ(info.point_descriptor, YardInfo().point_descriptor);
-  EXPECT_EQ(info.line_descriptor, YardInfo().line_descriptor);
-
-  const auto loaded = store_->LoadSegment(key, 1);
-  ASSERT_TRUE(loaded.ok()) << loaded.status().ToString();
-  const Segment& got = **loaded;
-  const Segment want = YardSegment(1);
-  EXPECT_EQ(got.map, key);
-  EXPECT_EQ(got.id, 1);
-  EXPECT_EQ(got.path_in_map, want.path_in_map);
-  EXPECT_EQ(got.points.ids, want.points.ids);
-  EXPECT_EQ(got.points.positions_in_map, want.points.positions_in_map);
-  EXPECT_EQ(got.points.descriptors.kind, want.points.descriptors.kind);
-  EXPECT_EQ(got.points.descriptors.bytes, want.points.descriptors.bytes);
-  EXPECT_EQ(got.points.descriptor_landmark, want.points.descriptor_landmark);
-  EXPECT_EQ(got.lines.ids, want.lines.ids);
-  ASSERT_EQ(got.lines.size(), want.lines.size());
-  for (int i = 0; i < got.lines.size(); ++i) {
-    EXPECT_EQ(got.lines.segments_in_map[i].start, want.lines.segments_in_map[i].start);
-    EXPECT_EQ(got.lines.segments_in_map[i].end, want.lines.segments_in_map[i].end);
-  }
-  EXPECT_EQ(got.lines.descriptors.bytes, want.lines.descriptors.bytes);
-  EXPECT_EQ(got.lines.descriptor_landmark, want.lines.descriptor_landmark);
-}
-
-TEST_P(StoreContract, ALandmarkInTwoSegmentsCountsOnceInTheMap) {
-  const MapKey key = GiveMap(*store_);
-  const auto map = store_->GetMap(key);
-  ASSERT_TRUE(map.ok());
-  EXPECT_EQ(map->segments, 3);
-  EXPECT_EQ(map->points, 320);      // 3 x 120, of which 2 x 20 twice
-  EXPECT_EQ(map->lines, 7);         // 3 x 2 and the shared one
-  EXPECT_EQ(map->usable_lines, 4);  // 3 and the shared one
-  const SegmentSummary segment = At(key, 2);
-  EXPECT_EQ(segment.points, 120);
-  EXPECT_EQ(segment.lines, 3);
-  EXPECT_EQ(segment.usable_lines, 2);
-  EXPECT_EQ(segment.path_in_map, YardSegment(2).path_in_map);
-}
-
-TEST_P(StoreContract, AnImportIsInvisibleUntilItsCommit) {
-  const std::int64_t before = Changes();
-  auto writer = store_->BeginImport(YardInfo());
-  ASSERT_TRUE(writer.ok());
-  ASSERT_TRUE((*writer)->AddSegment(YardSegment(0)).ok());
-  EXPECT_THAT(store_->ListMaps().value(), IsEmpty());
-  EXPECT_EQ(store_->GetMap("yard").status().code(), StatusCode::kNotFound);
-  EXPECT_EQ(store_->ListSegments((*writer)->key()).status().code(), StatusCode::kNotFound);
-  EXPECT_EQ(store_->LoadSegment((*writer)->key(), 0).status().code(), StatusCode::kNotFound);
-  EXPECT_EQ(store_->StartSession(OpenSession("s", (*writer)->key())).code(), StatusCode::kNotFound);
-  EXPECT_EQ(Changes(), before);
-  ASSERT_TRUE((*writer)->Commit().ok());
-  EXPECT_THAT(store_->ListMaps().value(), SizeIs(1));
-  EXPECT_GT(Changes(), before);
-  EXPECT_TRUE(store_->Verify().ok());
-}
-
-TEST_P(StoreContract, AnImportThatIsDroppedLeavesNothing) {
-  {
-    auto writer = store_->BeginImport(YardInfo());
-    ASSERT_TRUE((*writer)->AddSegment(YardSegment(0)).ok());
-    ASSERT_TRUE((*writer)->AddSegment(YardSegment(1)).ok());
-  }
-  EXPECT_THAT(store_->ListMaps().value(), IsEmpty());
-  EXPECT_EQ(GiveMap(*store_).version, 1);
-}
-
-TEST_P(StoreContract, ASweepSparesALivingImport) {
-  auto writer = store_->BeginImport(YardInfo());
-  ASSERT_TRUE((*writer)->AddSegment(YardSegment(0)).ok());
-  ASSERT_TRUE(store_->SweepAbandonedImports().ok());
-  auto other = store_->BeginImport(YardInfo("other"));
-  ASSERT_TRUE(other.ok());
-  ASSERT_TRUE((*writer)->AddSegment(YardSegment(1)).ok());
-  ASSERT_TRUE((*writer)->Commit().ok());
-  EXPECT_EQ(store_->GetMap("yard")->segments, 2);
-}
-
-TEST_P(StoreContract, TwoImportsOfOneNameBecomeTwoVersions) {
-  auto first = store_->BeginImport(YardInfo());
-  auto second = store_->BeginImport(YardInfo());
-  ASSERT_TRUE(first.ok() && second.ok());
-  EXPECT_NE((*first)->key().version, (*second)->key().version);
-  ASSERT_TRUE((*first)->AddSegment(YardSegment(0)).ok());
-  ASSERT_TRUE((*second)->AddSegment(YardSegment(0)).ok());
-  ASSERT_TRUE((*second)->Commit().ok());
-  ASSERT_TRUE((*first)->Commit().ok());
-  EXPECT_EQ(store_->GetMap("yard")->info.key.version, 2);
-  EXPECT_TRUE(store_->GetMap(MapKey{"yard", 1}).ok());
-}
-
-TEST_P(StoreContract, OldVersionsStayAndTheNewestIsListed) {
-  const MapKey old = GiveMap(*store_, "yard", 3);
-  GiveMap(*store_, "alley", 1);
-  Start("s", old);
-  const MapKey fresh = GiveMap(*store_, "yard", 2);
-  EXPECT_EQ(fresh.version, 2);
-  const auto maps = store_->ListMaps().value();
-  ASSERT_THAT(maps, SizeIs(2));
-  EXPECT_EQ(maps[0].info.key, (MapKey{"alley", 1}));
-  EXPECT_EQ(maps[1].info.key, fresh);
-  End("s", {Seen(1, 2)});
-  EXPECT_EQ(At(old, 2).statistics.queries, 1);
-  EXPECT_EQ(At(fresh, 1).statistics.queries, 0);
-}
-
-TEST_P(StoreContract, ARefusedSegmentLeavesTheImportAsItWas) {
-  auto writer = store_->BeginImport(YardInfo());
-  ASSERT_TRUE((*writer)->AddSegment(YardSegment(0)).ok());
-  Segment nan = YardSegment(1);
-  nan.points.positions_in_map[3].y() = std::numeric_limits<double>::quiet_NaN();
-  const Status refused = (*writer)->AddSegment(nan);
-  EXPECT_EQ(refused.code(), StatusCode::kInvalidArgument);
-  EXPECT_THAT(refused.message(), ::testing::HasSubstr("points.positions_in_map[3]"));
-  EXPECT_EQ((*writer)->AddSegment(YardSegment(2)).code(), StatusCode::kInvalidArgument);  // a gap
-  ASSERT_TRUE((*writer)->AddSegment(YardSegment(1)).ok());
-  ASSERT_TRUE((*writer)->Commit().ok());
-  EXPECT_EQ((*writer)->Commit().code(), StatusCode::kFailedPrecondition);
-  EXPECT_EQ((*writer)->AddSegment(YardSegment(2)).code(), StatusCode::kFailedPrecondition);
-  EXPECT_EQ(store_->GetMap("yard")->segments, 2);
-}
-
-TEST_P(StoreContract, AMapWithoutSegmentsOrWithABadNameIsRefused) {
-  auto writer = store_->BeginImport(YardInfo());
-  EXPECT_EQ((*writer)->Commit().reason(), "EMPTY_MAP");
-  EXPECT_EQ(store_->BeginImport(YardInfo("")).status().code(), StatusCode::kInvalidArgument);
-  EXPECT_EQ(store_->BeginImport(YardInfo("a\nb")).status().code(), StatusCode::kInvalidArgument);
-  MapInfo flat = YardInfo();
-  flat.map_from_source.scale = 0.0;
-  EXPECT_EQ(store_->BeginImport(flat).status().code(), StatusCode::kInvalidArgument);
-}
-
-TEST_P(StoreContract, WhatIsUnknownIsNotFound) {
-  const MapKey key = GiveMap(*store_);
-  const MapKey none{"yard", 7};
-  const auto not_found = StatusCode::kNotFound;
-  EXPECT_EQ(store_->GetMap("nowhere").status().code(), not_found);
-  EXPECT_EQ(store_->GetMap(none).status().code(), not_found);
-  EXPECT_EQ(store_->ListSegments(none).status().code(), not_found);
-  EXPECT_EQ(store_->GetSegment(key, 3).status().code(), not_found);
-  EXPECT_EQ(store_->GetSegment(key, -1).status().code(), not_found);
-  EXPECT_EQ(store_->LoadSegment(key, 3).status().code(), not_found);
-  EXPECT_EQ(store_->ListRows(key, 3).status().code(), not_found);
-  EXPECT_EQ(store_->ListDecisions(key, 3).status().code(), not_found);
-  EXPECT_EQ(store_->PinStrategy(key, 3, Strategy::k2P).code(), not_found);
-  EXPECT_EQ(store_->StartSession(OpenSession("s", none)).code(), not_found);
-  EXPECT_EQ(store_->GetSession("s").status().code(), not_found);
-  EXPECT_EQ(store_->ListObservations("s").status().code(), not_found);
-  EXPECT_EQ(store_->AppendObservations("s", {}).code(), not_found);
-  EXPECT_EQ(store_->EndSession("s", SessionEnd::kIdle, 1, {}).status().code(), not_found);
-}
-
-TEST_P(StoreContract, ASessionComesBackAsItStarted) {
+TEST_P(SessionContract, ASessionComesBackAsItStarted) {
   const MapKey key = GiveMap(*store_);
   Start("b", key, 2000);
   Start("c", key, 1000);
@@ -242,7 +40,7 @@ TEST_P(StoreContract, ASessionComesBackAsItStarted) {
   EXPECT_EQ(session.end, SessionEnd::kOpen);
 }
 
-TEST_P(StoreContract, AnObservationIsKeptOnceAndWhole) {
+TEST_P(SessionContract, AnObservationIsKeptOnceAndWhole) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
   const std::vector<Observation> both = {Seen(1, 0), OutOfMap(2)};
@@ -268,7 +66,7 @@ TEST_P(StoreContract, AnObservationIsKeptOnceAndWhole) {
   EXPECT_EQ(kept[1].segment, -1);
 }
 
-TEST_P(StoreContract, ARefusedBatchOfObservationsLeavesNothing) {
+TEST_P(SessionContract, ARefusedBatchOfObservationsLeavesNothing) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
   Observation more_inliers = Seen(2, 0, 10, 11);
@@ -285,7 +83,7 @@ TEST_P(StoreContract, ARefusedBatchOfObservationsLeavesNothing) {
   EXPECT_EQ(store_->GetSession("s")->end, SessionEnd::kOpen);
 }
 
-TEST_P(StoreContract, TheEndOfASessionChangesTheVisitedSegmentsAlone) {
+TEST_P(SessionContract, TheEndOfASessionChangesTheVisitedSegmentsAlone) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
   ASSERT_TRUE(
@@ -318,7 +116,7 @@ TEST_P(StoreContract, TheEndOfASessionChangesTheVisitedSegmentsAlone) {
   EXPECT_TRUE(store_->Verify().ok()) << store_->Verify().ToString();
 }
 
-TEST_P(StoreContract, ASecondEndChangesNothingAndAnswersTheSame) {
+TEST_P(SessionContract, ASecondEndChangesNothingAndAnswersTheSame) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
   const SessionSummary first = End("s", {Seen(1, 0)});
@@ -336,7 +134,7 @@ TEST_P(StoreContract, ASecondEndChangesNothingAndAnswersTheSame) {
             StatusCode::kInvalidArgument);
 }
 
-TEST_P(StoreContract, AQuerySentTwiceCountsOnce) {
+TEST_P(SessionContract, AQuerySentTwiceCountsOnce) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
   ASSERT_TRUE(store_->AppendObservations("s", std::vector{Seen(1, 0), Seen(2, 0)}).ok());
@@ -345,7 +143,7 @@ TEST_P(StoreContract, AQuerySentTwiceCountsOnce) {
   EXPECT_EQ(At(key, 0).statistics.queries, 3);
 }
 
-TEST_P(StoreContract, AnEmptySessionEndsWithoutATrace) {
+TEST_P(SessionContract, AnEmptySessionEndsWithoutATrace) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
   const SessionSummary summary = End("s");
@@ -355,7 +153,7 @@ TEST_P(StoreContract, AnEmptySessionEndsWithoutATrace) {
 }
 
 // A session that started earlier but ends later takes its place by its start.
-TEST_P(StoreContract, RowsFoldInTheOrderOfTheirStarts) {
+TEST_P(SessionContract, RowsFoldInTheOrderOfTheirStarts) {
   const MapKey key = GiveMap(*store_);
   Start("late", key, 3000);
   Start("early", key, 1000);
@@ -374,7 +172,7 @@ TEST_P(StoreContract, RowsFoldInTheOrderOfTheirStarts) {
   EXPECT_THAT(store_->ListDecisions(key, 0).value(), SizeIs(3));
 }
 
-TEST_P(StoreContract, EvidenceChangesTheStrategyAndTheSummarySaysSo) {
+TEST_P(SessionContract, EvidenceChangesTheStrategyAndTheSummarySaysSo) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
   std::vector<Observation> good_lines;
@@ -394,7 +192,7 @@ TEST_P(StoreContract, EvidenceChangesTheStrategyAndTheSummarySaysSo) {
   EXPECT_EQ(history[0].statistics, segment.statistics);
 }
 
-TEST_P(StoreContract, APinHoldsAgainstTheSelectorUntilItIsTakenBack) {
+TEST_P(SessionContract, APinHoldsAgainstTheSelectorUntilItIsTakenBack) {
   const MapKey key = GiveMap(*store_);
   const std::int64_t before = Changes();
   ASSERT_TRUE(store_->PinStrategy(key, 1, Strategy::k2P).ok());
@@ -416,7 +214,7 @@ TEST_P(StoreContract, APinHoldsAgainstTheSelectorUntilItIsTakenBack) {
   EXPECT_TRUE(store_->Verify().ok());
 }
 
-TEST_P(StoreContract, ManyRobotsAtOnceLoseNothing) {
+TEST_P(SessionContract, ManyRobotsAtOnceLoseNothing) {
   const MapKey key = GiveMap(*store_);
   constexpr int kRobots = 4;
   constexpr int kQueries = 12;
@@ -442,7 +240,7 @@ TEST_P(StoreContract, ManyRobotsAtOnceLoseNothing) {
 }
 
 // Two threads end one session at once: one folds it, both get the same answer.
-TEST_P(StoreContract, ASessionEndedTwiceAtOnceCountsOnce) {
+TEST_P(SessionContract, ASessionEndedTwiceAtOnceCountsOnce) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
   ASSERT_TRUE(store_->AppendObservations("s", std::vector{Seen(1, 0), Seen(2, 1)}).ok());
