@@ -68,16 +68,30 @@ Result<std::int64_t> InsertMap(SqliteDatabase& database, const MapInfo& info) {
   return database.LastInsertId();
 }
 
+enum class ImportOwner { kThisWriter, kUnknown };
+
+// Asked in the very transaction that deletes: since an earlier look the import may have been
+// published, or may have gone. Whoever inserts an import's row holds its lock before.
+Result<bool> MayDelete(const SqliteConnections& connections, SqliteDatabase& database,
+                       std::int64_t map, ImportOwner owner) {
+  SqliteStatement find(database, "SELECT 1 FROM map_versions WHERE id = ?1 AND state = 0");
+  MAPLOC_ASSIGN_OR_RETURN(const bool unpublished, find.Bind(map).Step());
+  if (!unpublished || owner == ImportOwner::kThisWriter) return unpublished;
+  MAPLOC_ASSIGN_OR_RETURN(const bool alive, ImportLock::IsHeld(connections.path(), map));
+  return !alive;
+}
+
 // The segments of an import that was never published go one by one, so that nobody waits long for
 // the write lock; the version itself goes last, so that an interrupted sweep can be taken up again.
-Status DeleteImport(SqliteConnections& connections, std::int64_t map) {
+Status DeleteImport(SqliteConnections& connections, std::int64_t map, ImportOwner owner) {
   while (true) {
     MAPLOC_ASSIGN_OR_RETURN(auto writer, connections.Write());
+    MAPLOC_ASSIGN_OR_RETURN(const bool may, MayDelete(connections, writer.database(), map, owner));
+    if (!may) return Status::Ok();
     SqliteStatement find(writer.database(), "SELECT MIN(segment) FROM segments WHERE map = ?1");
     MAPLOC_ASSIGN_OR_RETURN(const bool row, find.Bind(map).Step());
     if (!row || find.IsNull(0)) {
-      SqliteStatement remove(writer.database(),
-                             "DELETE FROM map_versions WHERE id = ?1 AND state = 0");
+      SqliteStatement remove(writer.database(), "DELETE FROM map_versions WHERE id = ?1");
       MAPLOC_RETURN_IF_ERROR(remove.Bind(map).Run());
       return writer.Commit();
     }
@@ -102,7 +116,9 @@ class SqliteMapWriter : public MapWriter {
 
   ~SqliteMapWriter() override {
     // What cannot be deleted now is swept at the next start.
-    if (!committed_) static_cast<void>(DeleteImport(connections_, row_id_));
+    if (!committed_) {
+      static_cast<void>(DeleteImport(connections_, row_id_, ImportOwner::kThisWriter));
+    }
   }
 
   const MapKey& key() const override { return info_.key; }
@@ -178,11 +194,15 @@ Result<std::unique_ptr<MapWriter>> BeginSqliteImport(SqliteConnections& connecti
       std::make_unique<SqliteMapWriter>(connections, std::move(named), row_id, std::move(lock)));
 }
 
+Status SweepSqliteImport(SqliteConnections& connections, std::int64_t map) {
+  return DeleteImport(connections, map, ImportOwner::kUnknown);
+}
+
 Status SweepSqliteImports(SqliteConnections& connections) {
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<std::int64_t> maps, UnpublishedMaps(connections));
   for (const std::int64_t map : maps) {
     MAPLOC_ASSIGN_OR_RETURN(const bool alive, ImportLock::IsHeld(connections.path(), map));
-    if (!alive) MAPLOC_RETURN_IF_ERROR(DeleteImport(connections, map));
+    if (!alive) MAPLOC_RETURN_IF_ERROR(SweepSqliteImport(connections, map));
   }
   return Status::Ok();
 }

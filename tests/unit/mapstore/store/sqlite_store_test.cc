@@ -12,6 +12,7 @@
 
 #include "mapstore/store/schema.h"
 #include "mapstore/store/sqlite_database.h"
+#include "mapstore/store/sqlite_import.h"
 #include "tests/contract/store/store_fixture.h"
 
 namespace maploc::testing {
@@ -292,6 +293,22 @@ TEST_F(SqliteStoreTest, WhatAKilledImportLeftIsSweptButNotWhileItLives) {
   EXPECT_EQ(Count("segment_features"), 0);
   EXPECT_EQ(Count("map_versions"), 0);
   EXPECT_EQ(GiveMap(*Open()).version, 1);
+}
+
+// Between a sweeper's look and its deleting another process may publish the import, or go on.
+TEST_F(SqliteStoreTest, ALateSweepLeavesPublishedAndLivingImportsAlone) {
+  const auto store = Open();
+  GiveMap(*store);
+  const auto living = store->BeginImport(YardInfo("living")).value();
+  ASSERT_TRUE(living->AddSegment(YardSegment(0)).ok());
+  const auto connections = SqliteConnections::Open(path_, {}).value();
+  constexpr std::int64_t kPublishedRow = 1;
+  constexpr std::int64_t kLivingRow = 2;
+  EXPECT_TRUE(SweepSqliteImport(*connections, kPublishedRow).ok());
+  EXPECT_TRUE(SweepSqliteImport(*connections, kLivingRow).ok());
+  EXPECT_TRUE(living->Commit().ok());
+  EXPECT_EQ(Count("segments"), 4);
+  EXPECT_TRUE(store->Verify().ok());
 }
 
 TEST_F(SqliteStoreTest, ObservationsOfAKilledServerAreFoldedByTheNext) {
