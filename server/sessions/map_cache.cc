@@ -1,5 +1,6 @@
 #include "server/sessions/map_cache.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -55,13 +56,23 @@ Result<MapCache::Snapshot> MapCache::Newest(const std::string& name) {
   return LoadNewest(name);
 }
 
+// A version that is published while an older one loads found no entry of the map to renew, so the
+// store is asked again once the entry is there.
 Result<MapCache::Snapshot> MapCache::LoadNewest(const std::string& name) {
-  const Result<MapSummary> map = store_->GetMap(name);
-  if (!map.ok()) return MapNotFound(map.status(), name);
-  MAPLOC_ASSIGN_OR_RETURN(Snapshot snapshot, Get(map->info.key));
+  Snapshot snapshot;
+  while (true) {
+    const Result<MapSummary> map = store_->GetMap(name);
+    if (!map.ok()) return MapNotFound(map.status(), name);
+    if (snapshot != nullptr && snapshot->info.key == map->info.key) return snapshot;
+    MAPLOC_ASSIGN_OR_RETURN(snapshot, Get(map->info.key));
+    SetNewest(map->info.key);
+  }
+}
+
+void MapCache::SetNewest(const MapKey& key) {
   const std::lock_guard lock(mutex_);
-  newest_[name] = map->info.key;
-  return snapshot;
+  MapKey& newest = newest_.try_emplace(key.name, key).first->second;
+  newest.version = std::max(newest.version, key.version);
 }
 
 Result<MapCache::Snapshot> MapCache::Get(const MapKey& key) {

@@ -60,6 +60,7 @@ class MapCache {
   Status RefreshStrategies(const MapKey& key);
   std::vector<MapKey> LoadedKeys() const;
   Result<Snapshot> LoadNewest(const std::string& name);
+  void SetNewest(const MapKey& key);
   void LoadNewVersions();
   void DropUnused();
 

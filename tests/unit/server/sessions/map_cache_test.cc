@@ -1,8 +1,11 @@
 #include "server/sessions/map_cache.h"
 
+#include <atomic>
+
 #include <gtest/gtest.h>
 
 #include "mapstore/store/in_memory_store.h"
+#include "tests/support/forwarding_store.h"
 #include "tests/support/seed.h"
 #include "tests/support/stored_world.h"
 #include "tests/support/wait_for.h"
@@ -64,6 +67,31 @@ TEST_F(MapCacheTest, AMapThatWasImportedJustNowIsFound) {
   ASSERT_TRUE(writer->AddSegment(*world_.segments()[0]).ok());
   ASSERT_TRUE(writer->Commit().ok());
   EXPECT_EQ(cache.Newest("garden")->get()->segments.size(), 1u);
+}
+
+// Publishes a new version at a chosen moment: while the one before is being loaded.
+class StoreWithALateImport final : public testing::ForwardingStore {
+ public:
+  StoreWithALateImport(MapStore* store, const testing::DrawnWorld& world)
+      : ForwardingStore(store), world_(world) {}
+  Result<std::shared_ptr<const Segment>> LoadSegment(const MapKey& key,
+                                                     SegmentId id) const override {
+    if (!imported_.exchange(true)) testing::ImportWorld(world_, store_);
+    return store_->LoadSegment(key, id);
+  }
+
+ private:
+  const testing::DrawnWorld& world_;
+  mutable std::atomic<bool> imported_ = false;
+};
+
+TEST_F(MapCacheTest, AVersionThatIsPublishedWhileAnOlderOneLoadsIsServed) {
+  const StoreWithALateImport store(store_.get(), world_);
+  MapCacheOptions options;
+  options.poll_interval = 1h;  // the thread looks before the import, and then no more
+  MapCache cache(&store, options);
+  EXPECT_EQ(cache.Newest("street").value()->info.key.version, key_.version + 1);
+  EXPECT_EQ(cache.Newest("street").value()->info.key.version, key_.version + 1);
 }
 
 TEST_F(MapCacheTest, RefreshSeesAStrategyAndSharesTheSegments) {
