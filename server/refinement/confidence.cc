@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "server/refinement/chance.h"
+#include "server/refinement/determination.h"
 
 namespace maploc {
 namespace {
@@ -20,10 +21,9 @@ constexpr int kMinIterations = 100;
 // From false alarms to confidence, 1 / (1 + odds NFA): the assumed odds of a wrong pose per false
 // alarm. 0.99 needs an NFA of 1e-6.
 constexpr double kOddsPerFalseAlarm = 1e4;
-// A pose that its inliers do not determine is not to be trusted, however unlikely they are:
-// standard deviations above these, the position's as a share of the inliers' median depth.
-constexpr double kMaxRotationSigmaRad = 5.0 * std::numbers::pi / 180.0;
-constexpr double kMaxPositionSigmaShare = 0.1;
+// A pose that its inliers do not determine is not to be trusted, however unlikely they are.
+constexpr PoseSpread kMaxSpread = {.rotation_rad = 5.0 * std::numbers::pi / 180.0,
+                                   .position_share = 0.1};
 constexpr double kUndeterminedConfidence = 0.5;
 // Lines of buildings repeat, and agree in whole rows: however many, they count for no more than one
 // in ten thousand. So lines alone never reach 0.99; they help points to.
@@ -50,33 +50,6 @@ ChanceRates RatesFromAreas(const PoseProblem& problem, double threshold, double 
   // Parallel lines, as a building's are: only the position across counts.
   rates.line = std::min(1.0, 2.0 * threshold / std::sqrt(image_area));
   return rates;
-}
-
-double MedianInlierDepth(const PoseProblem& problem, const RefinedPose& pose) {
-  std::vector<double> depths;
-  for (std::size_t i = 0; i < problem.points.size(); ++i) {
-    if (pose.point_inliers[i] == 0) continue;
-    depths.push_back((pose.camera_from_map * problem.points[i].position_in_map).z());
-  }
-  for (std::size_t i = 0; i < problem.lines.size(); ++i) {
-    if (pose.line_inliers[i] == 0) continue;
-    depths.push_back((pose.camera_from_map * problem.lines[i].segment_in_map.start).z());
-  }
-  if (depths.empty()) return 0.0;
-  std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
-  return depths[depths.size() / 2];
-}
-
-double LargestSigma(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(eigen.eigenvalues().maxCoeff(), 0.0));
-}
-
-bool IsDetermined(const PoseProblem& problem, const RefinedPose& pose) {
-  if (!pose.covariance.allFinite()) return false;
-  return LargestSigma(pose.covariance.bottomRightCorner<3, 3>()) <= kMaxRotationSigmaRad &&
-         LargestSigma(pose.covariance.topLeftCorner<3, 3>()) <=
-             kMaxPositionSigmaShare * MedianInlierDepth(problem, pose);
 }
 
 }  // namespace
@@ -116,7 +89,10 @@ double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
   if (!pose.converged) return 0.0;
   const double log_alarms = LogNumberOfFalseAlarms(problem, pose, options);
   const double confidence = 1.0 / (1.0 + kOddsPerFalseAlarm * std::pow(10.0, log_alarms));
-  return IsDetermined(problem, pose) ? confidence : std::min(confidence, kUndeterminedConfidence);
+  if (confidence <= kUndeterminedConfidence) return confidence;
+  return IsDetermined(problem, pose, options.max_reprojection_error_px, kMaxSpread)
+             ? confidence
+             : kUndeterminedConfidence;
 }
 
 bool GravityConsistent(double gravity_disagreement_rad, double gravity_sigma_rad,

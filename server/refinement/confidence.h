@@ -31,8 +31,9 @@ struct ConfidenceOptions {
   int iterations = 1;  // evaluated hypotheses, Consensus::iterations
 };
 
-// Probability in [0, 1] that the pose is not the work of chance and is determined by its inliers.
-// 0.99 is the bar for LOCALIZED. Deterministic; thread-safe.
+// Probability in [0, 1] that the pose is not the work of chance; at most 0.5 where its inliers do
+// not determine it within 5 degrees and a tenth of their depth (determination.h). 0.99 is the bar
+// for LOCALIZED. Deterministic; thread-safe.
 double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
                       const ConfidenceOptions& options);
 

@@ -1,0 +1,130 @@
+#include "server/refinement/determination.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "server/refinement/covariance.h"
+#include "server/solvers/reprojection.h"
+
+namespace maploc {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+// Below this share of an observation nothing but itself determines what it measures.
+constexpr double kLeastRedundancy = 1e-6;
+
+// What the inliers measure, about an origin among them: far from the map's own origin rotation and
+// translation could not be told apart in double precision.
+class Measurements {
+ public:
+  Measurements(const PoseProblem& problem, const RefinedPose& pose)
+      : origin_(SomeInlier(problem, pose)),
+        pose_(Rigid3{pose.camera_from_map.rotation, pose.camera_from_map * origin_}) {
+    for (std::size_t i = 0; i < problem.points.size(); ++i) {
+      if (pose.point_inliers[i] != 0) Add(problem.points[i]);
+    }
+    for (std::size_t i = 0; i < problem.lines.size(); ++i) {
+      if (pose.line_inliers[i] != 0) Add(problem.lines[i]);
+    }
+  }
+
+  const PoseMatrix& pose() const { return pose_; }
+  const std::vector<Jacobian26>& jacobians() const { return jacobians_; }
+
+  double MedianDepth() const {
+    std::vector<double> depths = depths_;
+    const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+    std::nth_element(depths.begin(), middle, depths.end());
+    return *middle;
+  }
+
+ private:
+  static Eigen::Vector3d SomeInlier(const PoseProblem& problem, const RefinedPose& pose) {
+    for (std::size_t i = 0; i < problem.points.size(); ++i) {
+      if (pose.point_inliers[i] != 0) return problem.points[i].position_in_map;
+    }
+    for (std::size_t i = 0; i < problem.lines.size(); ++i) {
+      if (pose.line_inliers[i] != 0) return problem.lines[i].segment_in_map.start;
+    }
+    return Eigen::Vector3d::Zero();
+  }
+
+  double Depth(const Eigen::Vector3d& about_origin) const {
+    return (pose_.rotation * about_origin + pose_.translation).z();
+  }
+
+  void Add(PointCorrespondence point) {
+    point.position_in_map -= origin_;
+    Eigen::Vector2d error;
+    Jacobian26 jacobian;
+    if (!PointReprojection(pose_, point, &error, &jacobian)) return;
+    jacobians_.push_back(jacobian);
+    depths_.push_back(Depth(point.position_in_map));
+  }
+
+  void Add(LineCorrespondence line) {
+    line.segment_in_map.start -= origin_;
+    line.segment_in_map.end -= origin_;
+    Eigen::Vector2d error;
+    Jacobian26 jacobian;
+    if (!LineReprojection(pose_, line, &error, &jacobian)) return;
+    jacobians_.push_back(jacobian);
+    depths_.push_back(Depth(line.segment_in_map.start));
+  }
+
+  Eigen::Vector3d origin_;
+  PoseMatrix pose_;
+  std::vector<Jacobian26> jacobians_;
+  std::vector<double> depths_;
+};
+
+double LargestSigma(const Eigen::Matrix3d& covariance) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+  eigen.computeDirect(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(eigen.eigenvalues().maxCoeff(), 0.0));
+}
+
+// `covariance` of (w, d), reprojection.h.
+bool IsWithin(const PoseMatrix& pose, const Matrix6& covariance, double rotation, double position) {
+  const PoseCovariance moved = CovarianceOfMapFromCamera(pose, covariance);
+  return moved.allFinite() && LargestSigma(moved.bottomRightCorner<3, 3>()) <= rotation &&
+         LargestSigma(moved.topLeftCorner<3, 3>()) <= position;
+}
+
+}  // namespace
+
+bool IsDetermined(const PoseProblem& problem, const RefinedPose& pose,
+                  double max_reprojection_error_px, const PoseSpread& limit) {
+  const Measurements measurements(problem, pose);
+  const std::vector<Jacobian26>& jacobians = measurements.jacobians();
+  if (jacobians.size() < 2) return false;
+  const double sigma = 0.5 * max_reprojection_error_px / problem.focal_length_px *
+                       std::sqrt(static_cast<double>(jacobians.size() - 1));
+  Matrix6 information = Matrix6::Zero();
+  for (const Jacobian26& jacobian : jacobians) {
+    information.noalias() += jacobian.transpose() * jacobian / (sigma * sigma);
+  }
+  const Matrix6 covariance =
+      problem.has_gravity
+          ? SoftGravityCovariance(information, problem.gravity_in_camera, problem.gravity_sigma_rad)
+          : FreeCovariance(information);
+  const double position = limit.position_share * measurements.MedianDepth();
+  // Leaving one out by Woodbury's identity.
+  return std::all_of(jacobians.begin(), jacobians.end(), [&](const Jacobian26& left_out) {
+    const Eigen::Matrix<double, 6, 2> gain = covariance * left_out.transpose();
+    const Eigen::Matrix2d redundancy =
+        sigma * sigma * Eigen::Matrix2d::Identity() - left_out * gain;
+    const double least = kLeastRedundancy * sigma * sigma;
+    if (redundancy.determinant() < least * least) return false;
+    return IsWithin(measurements.pose(),
+                    covariance + gain * redundancy.inverse() * gain.transpose(), limit.rotation_rad,
+                    position);
+  });
+}
+
+}  // namespace maploc
