@@ -54,7 +54,7 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   answer.times.convert_ms = convert_ms;
   answer.times.retrieval_ms += load_ms;
   answer.times.total_ms = MillisecondsSince(start, *context.clock);
-  if (lease) lease->Record(Observe(answer, *context.clock));
+  if (lease) MAPLOC_RETURN_IF_ERROR(lease->Record(Observe(answer, *context.clock)));
   LocalizationToProto(query, answer, request.include_matches(), response);
   response->set_predicted_success(PredictedSuccess(*map, answer.segment));
   return Status::Ok();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "mapstore/store/validation.h"
 #include "server/sessions/open_session.h"
 #include "server/sessions/session_id.h"
 
@@ -48,12 +49,17 @@ SessionManager::Lease::~Lease() {
 
 const Session& SessionManager::Lease::session() const { return open_->session; }
 
-void SessionManager::Lease::Record(Observation observation) {
+Status SessionManager::Lease::Record(Observation observation) {
   const std::lock_guard lock(manager_->mutex_);
-  if (open_->gone) return;  // another process ended the session
-  observation.sequence = open_->next_sequence++;
+  if (open_->gone) return Status::Ok();  // another process ended the session
+  observation.sequence = open_->next_sequence;
+  if (const Status valid = ValidateObservation(observation); !valid.ok()) {
+    return Internal("this query cannot be counted: " + valid.message());
+  }
+  ++open_->next_sequence;
   open_->unsaved.push_back(std::move(observation));
   ++manager_->unsaved_;
+  return Status::Ok();
 }
 
 SessionManager::SessionManager(MapStore* store, const SessionManagerOptions& options,

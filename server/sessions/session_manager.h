@@ -64,8 +64,10 @@ class SessionManager {
     ~Lease();
 
     const Session& session() const;
-    // The query's observation; its sequence is given here. REQUIRES: called at most once.
-    void Record(Observation observation);
+    // The query's observation; its sequence is given here. INTERNAL for one that no store takes (a
+    // number that is not finite): it would keep its whole session from being written and ended.
+    // REQUIRES: called at most once.
+    Status Record(Observation observation);
 
    private:
     friend class SessionManager;

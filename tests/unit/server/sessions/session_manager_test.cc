@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <future>
+#include <limits>
 #include <set>
 #include <thread>
 
@@ -63,7 +64,7 @@ class SessionManagerTest : public ::testing::Test {
   void Query(const SessionId& id, SegmentId segment) {
     Result<SessionManager::Lease> lease = manager_->Enter(id);
     ASSERT_TRUE(lease.ok()) << lease.status().ToString();
-    lease->Record(Localized(segment));
+    EXPECT_TRUE(lease->Record(Localized(segment)).ok());
   }
   std::size_t OnDisk(const SessionId& id) const { return memory_->ListObservations(id)->size(); }
 
@@ -133,6 +134,18 @@ TEST_F(SessionManagerTest, EndedAgainItAnswersTheSameAndChangesNothing) {
   EXPECT_EQ(memory_->ListRows(map_, 1).value(), rows);
 }
 
+TEST_F(SessionManagerTest, OneImpossibleObservationDoesNotHoldUpTheOthers) {
+  const SessionId id = StartSession();
+  Query(id, 0);
+  Observation impossible = Localized(0);
+  impossible.evidence.confidence = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(manager_->Enter(id)->Record(impossible).code(), StatusCode::kInternal);
+  Query(id, 0);
+  EXPECT_TRUE(manager_->Flush().ok());
+  EXPECT_EQ(OnDisk(id), 2u);
+  EXPECT_EQ(manager_->End(id)->queries, 2);
+}
+
 TEST_F(SessionManagerTest, EndWaitsForRunningQueries) {
   const SessionId id = StartSession();
   std::optional<SessionManager::Lease> lease = manager_->Enter(id).value();
@@ -142,7 +155,7 @@ TEST_F(SessionManagerTest, EndWaitsForRunningQueries) {
       testing::WaitFor([&] { return manager_->Enter(id).status().reason() == "SESSION_CLOSED"; }));
   EXPECT_EQ(end.wait_for(0s), std::future_status::timeout);
 
-  lease->Record(Localized(0));
+  EXPECT_TRUE(lease->Record(Localized(0)).ok());
   lease.reset();
 
   const Result<SessionSummary> summary = end.get();
