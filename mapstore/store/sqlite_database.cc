@@ -13,6 +13,9 @@ int OpenFlags(SqliteAccess access) {
   return access == SqliteAccess::kCreate ? flags | SQLITE_OPEN_CREATE : flags;
 }
 
+// SQLite gives names like ":memory:" and "" a meaning of their own; behind a folder they are files.
+std::string FileName(const std::string& path) { return path.starts_with('/') ? path : "./" + path; }
+
 }  // namespace
 
 void SqliteDatabase::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
@@ -20,7 +23,7 @@ void SqliteDatabase::Close::operator()(sqlite3* handle) const { sqlite3_close_v2
 Result<SqliteDatabase> SqliteDatabase::Open(const std::string& path, SqliteAccess access,
                                             int busy_timeout_ms) {
   sqlite3* handle = nullptr;
-  const int result = sqlite3_open_v2(path.c_str(), &handle, OpenFlags(access), nullptr);
+  const int result = sqlite3_open_v2(FileName(path).c_str(), &handle, OpenFlags(access), nullptr);
   SqliteDatabase database(path, handle);
   if (result != SQLITE_OK) return database.ErrorOf(result);
   sqlite3_extended_result_codes(handle, 1);

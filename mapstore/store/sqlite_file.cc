@@ -55,6 +55,7 @@ Status CheckHeader(const std::string& path) {
 
 // Whether there is a store already; an error where the path is something else.
 Result<bool> CheckPath(const std::string& path, bool create) {
+  if (path.empty()) return InvalidArgument("store", "the name is empty; name a file");
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) {

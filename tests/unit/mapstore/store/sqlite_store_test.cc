@@ -108,6 +108,17 @@ TEST_F(SqliteStoreTest, AnEmptyFileBecomesAStore) {
   EXPECT_TRUE(Open()->Verify().ok());
 }
 
+// For SQLite these are temporary databases: what is written there is gone.
+TEST_F(SqliteStoreTest, NamesThatSqliteTakesForSomethingElseAreFilesOrRefused) {
+  EXPECT_EQ(OpenSqliteStore("").status().code(), StatusCode::kInvalidArgument);
+  const std::filesystem::path here = std::filesystem::current_path();
+  std::filesystem::current_path(folder_.File(""));
+  GiveMap(*OpenSqliteStore(":memory:").value());
+  EXPECT_EQ(OpenSqliteStore(":memory:").value()->ListMaps()->size(), 1u);
+  std::filesystem::current_path(here);
+  EXPECT_TRUE(std::filesystem::exists(folder_.File(":memory:")));
+}
+
 TEST_F(SqliteStoreTest, ATruncatedStoreIsSaidToBe) {
   GiveMap(*Open());
   const std::string whole = ReadBytes(path_);
