@@ -1,5 +1,6 @@
 // maploc-map: everything an operator does with a store. Contract: exit code 0 done, 1 failed (one
 // line on standard error), 2 wrong usage.
+#include <exception>
 #include <iostream>
 
 #include "mapstore/tools/commands.h"
@@ -35,6 +36,15 @@ std::string OneLine(std::string text) {
   return text;
 }
 
+// Failure is a value here; what is thrown all the same comes from below: no memory, a strange path.
+maploc::Status Run(const maploc::CommandContext& context) {
+  try {
+    return context.chosen();
+  } catch (const std::exception& error) {
+    return maploc::Internal(error.what());
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -48,7 +58,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kWrongUsage;
   }
-  const maploc::Status status = context.chosen();
+  const maploc::Status status = Run(context);
   if (status.ok()) return 0;
   std::cerr << "maploc-map: " << OneLine(status.message()) << "\n";
   return kFailed;

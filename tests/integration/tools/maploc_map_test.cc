@@ -1,15 +1,12 @@
 // Runs the binary itself: exit codes, JSON keys and where its words go (interface.md).
-#include <algorithm>
-#include <array>
-#include <cstdio>
 #include <fstream>
 #include <iterator>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "tests/contract/store/store_fixture.h"
+#include "tests/integration/tools/run_maploc_map.h"
 
 namespace maploc::testing {
 namespace {
@@ -17,12 +14,6 @@ namespace {
 using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-struct Output {
-  int exit_code = -1;
-  std::string out;
-  std::string error;
-};
 
 class MaplocMap : public ::testing::Test {
  protected:
@@ -38,24 +29,12 @@ class MaplocMap : public ::testing::Test {
     ASSERT_TRUE(store.EndSession("s", SessionEnd::kByRobot, 5000, seen).ok());
     ASSERT_TRUE(store.StartSession(OpenSession("open", key_, 2000)).ok());
   }
-  // REQUIRES: no quotes in `arguments`. $STORE stands for the store's path.
+  // $STORE stands for the store's path.
   Output Map(std::string arguments) {
     if (const auto at = arguments.find("$STORE"); at != std::string::npos) {
       arguments.replace(at, 6, store_);
     }
-    const std::string errors = folder_.File("stderr");
-    const std::string command =
-        std::string(MAPLOC_BIN_DIR) + "/maploc-map " + arguments + " 2>" + errors;
-    Output run;
-    FILE* pipe = popen(command.c_str(), "r");
-    std::array<char, 4096> buffer;
-    for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) {
-      run.out.append(buffer.data(), n);
-    }
-    run.exit_code = WEXITSTATUS(pclose(pipe));
-    std::ifstream file(errors);
-    run.error = {std::istreambuf_iterator<char>(file), {}};
-    return run;
+    return RunMaplocMap(arguments, folder_);
   }
   json Json(const std::string& arguments) {
     const Output run = Map(arguments + " --json");
@@ -65,13 +44,8 @@ class MaplocMap : public ::testing::Test {
     EXPECT_FALSE(document.is_discarded()) << run.out;
     return document;
   }
-  // Exit code 1, one line on standard error that holds `cause`, nothing on standard output.
   void ExpectFails(const std::string& arguments, const std::string& cause) {
-    const Output run = Map(arguments);
-    EXPECT_EQ(run.exit_code, 1) << arguments;
-    EXPECT_EQ(run.out, "");
-    EXPECT_THAT(run.error, HasSubstr(cause));
-    EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << run.error;
+    ExpectFailed(Map(arguments), cause);
   }
 
   TemporaryFolder folder_;

@@ -1,0 +1,131 @@
+// Damaged files through the binary itself: exit code 1, one line that names the file and the place
+// in it, and a store that is as it was, byte by byte.
+#include <filesystem>
+
+#include "tests/integration/tools/facade_model.h"
+#include "tests/integration/tools/run_maploc_map.h"
+#include "tests/support/seed.h"
+
+namespace maploc::testing {
+namespace {
+
+std::string ReadBytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void WriteBytes(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+class BadFiles : public ::testing::Test {
+ protected:
+  BadFiles() {
+    Random random = TestRandom();
+    const FacadeModel facade = MakeFacade(random);
+    std::filesystem::create_directory(binary_);
+    WriteBinaryModel(binary_, facade.model);
+    EXPECT_TRUE(WriteColmapModel(text_, facade.model).ok());
+    EXPECT_TRUE(WriteColmapDatabase(database_, facade.model, facade.features).ok());
+    GiveMap(**OpenSqliteStore(store_));
+  }
+  Output Run(const std::string& arguments) { return RunMaplocMap(arguments, folder_); }
+  Output Import(const std::string& model) {
+    return Run("import-colmap --map facade --gravity 0,0,-1 --scale 1 --store " + store_ +
+               " --model " + model + " --database " + database_);
+  }
+  void ExpectImportRefused(const std::string& model, const std::string& cause) {
+    const std::string before = ReadBytes(store_);
+    ExpectFailed(Import(model), cause);
+    EXPECT_TRUE(ReadBytes(store_) == before);
+    EXPECT_FALSE(std::filesystem::exists(store_ + "-wal"));
+  }
+  // Every command that opens a store, the one that writes included.
+  void ExpectStoreRefused(const std::string& cause) {
+    const std::string before = ReadBytes(store_);
+    for (const std::string command :
+         {"list", "verify", "strategy --map yard --segment 0 --pin 2p"}) {
+      ExpectFailed(Run(command + " --store " + store_), store_ + cause);
+    }
+    ExpectFailed(Import(binary_), store_ + cause);
+    EXPECT_TRUE(ReadBytes(store_) == before);
+  }
+
+  const TemporaryFolder folder_;
+  const std::string store_ = folder_.File("store.db");
+  const std::string binary_ = folder_.File("binary");
+  const std::string text_ = folder_.File("text");
+  const std::string database_ = folder_.File("database.db");
+};
+
+// Else the refusals below would say nothing.
+TEST_F(BadFiles, WholeOnesAreTaken) {
+  for (const std::string& model : {binary_, text_}) {
+    const Output run = Import(model);
+    EXPECT_EQ(run.exit_code, 0) << run.error;
+  }
+  EXPECT_THAT(Run("list --store " + store_).out, ::testing::HasSubstr("facade"));
+}
+
+TEST_F(BadFiles, ATruncatedBinaryModelIsNamedWithItsByte) {
+  for (const std::string part : {"cameras.bin", "images.bin", "points3D.bin"}) {
+    const std::string path = binary_ + "/" + part;
+    const std::string whole = ReadBytes(path);
+    for (const std::size_t size : {std::size_t{0}, whole.size() / 2, whole.size() - 1}) {
+      WriteBytes(path, whole.substr(0, size));
+      ExpectImportRefused(binary_, path + ": byte ");
+    }
+    WriteBytes(path, whole);
+  }
+}
+
+TEST_F(BadFiles, ATruncatedDatabaseIsNamed) {
+  const std::string whole = ReadBytes(database_);
+  for (const std::size_t size : {std::size_t{0}, whole.size() / 2, whole.size() - 4096}) {
+    WriteBytes(database_, whole.substr(0, size));
+    ExpectImportRefused(binary_, database_ + ": is ");
+  }
+}
+
+TEST_F(BadFiles, ABrokenLineOfATextModelIsNamedWithItsNumber) {
+  for (const std::string part : {"cameras.txt", "images.txt", "points3D.txt"}) {
+    const std::string path = text_ + "/" + part;
+    const std::string whole = ReadBytes(path);
+    WriteBytes(path, whole + "9 what is this\n");
+    const auto lines = std::count(whole.begin(), whole.end(), '\n');
+    ExpectImportRefused(text_, path + ":" + std::to_string(lines + 1) + ": ");
+    WriteBytes(path, whole);
+  }
+}
+
+TEST_F(BadFiles, AStoreThatIsNotSqliteIsRefused) {
+  WriteBytes(store_, "# notes\nbuy milk\n");
+  ExpectStoreRefused(": is not a maploc store");
+}
+
+TEST_F(BadFiles, AnotherApplicationsDatabaseIsNoStore) {
+  WriteBytes(store_, ReadBytes(database_));
+  ExpectStoreRefused(": is not a maploc store");
+}
+
+TEST_F(BadFiles, ATruncatedStoreIsRefused) {
+  WriteBytes(store_, ReadBytes(store_).substr(0, 3 * 4096));
+  ExpectStoreRefused(": the store is truncated or damaged");
+}
+
+// SQLite itself takes an empty name for a temporary database: the import would be gone.
+TEST_F(BadFiles, AnEmptyStoreNameIsRefused) {
+  const std::string flags =
+      " --map facade --gravity 0,0,-1 --scale 1 --model " + binary_ + " --database " + database_;
+  ExpectFailed(Run("import-colmap --store ''" + flags), "store: the name is empty");
+  ExpectFailed(Run("list --store ''"), "store: the name is empty");
+}
+
+TEST_F(BadFiles, ANameThatNoFileSystemTakesIsAFailureAndNotACrash) {
+  const std::string name(5000, 'n');
+  ExpectImportRefused(name, name);
+  ExpectFailed(Run("import-colmap --map m --model " + binary_ + " --store " + name), name);
+}
+
+}  // namespace
+}  // namespace maploc::testing
