@@ -75,14 +75,7 @@ Result<std::unique_ptr<SessionManager>> SessionManager::Create(MapStore* store,
   return manager;
 }
 
-SessionManager::~SessionManager() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
-}
+SessionManager::~SessionManager() { StopThread(); }
 
 Status SessionManager::Recover() {
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<Session> sessions, store_->ListSessions());

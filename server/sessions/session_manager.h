@@ -120,6 +120,7 @@ class SessionManager {
   SessionManager(MapStore* store, const SessionManagerOptions& options, const Clock& clock);
   Status Recover();
   void Run();
+  void StopThread();
   void Remember(const Session& session);
   void ForgetOldRequests();
   Result<std::optional<Session>> FindRepeated(const NewSession& request) const;
@@ -150,6 +151,7 @@ class SessionManager {
   std::map<SessionId, std::shared_ptr<Open>> open_;
   std::size_t unsaved_ = 0;  // observations in all sessions
   bool stopping_ = false;
+  std::once_flag joined_;
   std::thread thread_;
 };
 

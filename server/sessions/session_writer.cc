@@ -148,12 +148,20 @@ void SessionManager::CloseIdle() {
   }
 }
 
-Status SessionManager::Shutdown() {
+void SessionManager::StopThread() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
   }
   changed_.notify_all();
+  std::call_once(joined_, [this] {
+    if (thread_.joinable()) thread_.join();
+  });
+}
+
+Status SessionManager::Shutdown() {
+  // First, because an idle session that the thread fails to end has something to be written again.
+  StopThread();
   return Flush();
 }
 

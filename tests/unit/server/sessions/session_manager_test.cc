@@ -29,7 +29,16 @@ class FailingStore final : public testing::ForwardingStore {
     if (failing) return Status(StatusCode::kUnavailable, "DISK_FULL", "the disk is full");
     return store_->AppendObservations(id, batch);
   }
+  Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end, std::int64_t end_unix_ns,
+                                    std::span<const Observation> last) override {
+    if (!hold_ends) return store_->EndSession(id, end, end_unix_ns, last);
+    held = true;
+    hold_ends.wait(true);
+    return Status(StatusCode::kUnavailable, "STORE_BUSY", "another process holds the store");
+  }
   std::atomic<bool> failing = false;
+  std::atomic<bool> hold_ends = false;  // an end waits while this is set, and then fails
+  std::atomic<bool> held = false;
 };
 
 Observation Localized(SegmentId segment) {
@@ -299,6 +308,26 @@ TEST_F(SessionManagerTest, IdleSessionsEnd) {
   const SessionSummary summary = manager_->End(idle).value();  // the robot comes back
   EXPECT_EQ(summary.end, SessionEnd::kIdle);
   EXPECT_EQ(summary.queries, 1);
+}
+
+TEST_F(SessionManagerTest, AShutdownAmidAFailingIdleEndLosesNothing) {
+  options_.flush_interval = 1ms;
+  options_.idle_timeout = 10min;
+  store_.failing = true;  // so that the query is still in memory when the session is ended
+  store_.hold_ends = true;
+  Restart();
+  const SessionId id = StartSession();
+  Query(id, 0);
+  clock_.Advance(11min);
+  ASSERT_TRUE(testing::WaitFor([&] { return store_.held.load(); }));
+  store_.failing = false;
+  auto shutdown = std::async(std::launch::async, [&] { return manager_->Shutdown(); });
+  ASSERT_TRUE(
+      testing::WaitFor([&] { return manager_->Enter(id).status().reason() == "SHUTTING_DOWN"; }));
+  store_.hold_ends = false;
+  store_.hold_ends.notify_all();
+  EXPECT_TRUE(shutdown.get().ok());
+  EXPECT_EQ(OnDisk(id), 1u);
 }
 
 TEST_F(SessionManagerTest, AnEndByAnotherProcessIsNoticed) {
