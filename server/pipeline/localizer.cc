@@ -1,13 +1,15 @@
 #include "server/pipeline/localizer.h"
 
-#include <optional>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "mapstore/base/random.h"
 #include "server/matching/pose_problem.h"
 #include "server/matching/segment_matching.h"
 #include "server/pipeline/body_pose.h"
 #include "server/pipeline/interrupt.h"
+#include "server/pipeline/joint_segment.h"
 #include "server/pipeline/judge.h"
 #include "server/pipeline/query_check.h"
 #include "server/pipeline/stopwatch.h"
@@ -148,20 +150,38 @@ Result<Localization> TrySegment(const Context& context, const MapSnapshot::Entry
   return answer;
 }
 
-// The segments in their order until one answers. Where none does, the best ranked one speaks: a
-// query counts in exactly one segment.
+// All ranked segments as one, where each alone was too little. The answer is told as one about the
+// segment that holds most of its inliers.
+Result<Localization> TryJointly(const Context& context, const std::vector<int>& ranked,
+                                int& iterations, StageTimes& times) {
+  std::vector<std::shared_ptr<const Segment>> parts;
+  for (const int index : ranked) parts.push_back(context.map.segments[index].segment);
+  const auto joint = std::make_shared<const Segment>(JoinSegments(parts));
+  const MapSnapshot::Entry entry{joint, context.map.segments[ranked.front()].decision};
+  MAPLOC_ASSIGN_OR_RETURN(Localization answer, TrySegment(context, entry, iterations, times));
+  TellOfOnePart(*joint, parts, answer);
+  return answer;
+}
+
+// The best ranked segment, then all ranked ones together, then the others alone, until one answers.
+// Where none does, the best ranked one speaks: a query counts in exactly one segment.
 Result<Localization> TrySegments(const Context& context, const std::vector<int>& ranked,
                                  StageTimes& times) {
-  std::optional<Localization> first;
   int iterations = 0;
-  for (const int index : ranked) {
+  const auto try_one = [&](int index) {
+    return TrySegment(context, context.map.segments[index], iterations, times);
+  };
+  MAPLOC_ASSIGN_OR_RETURN(Localization first, try_one(ranked.front()));
+  if (first.outcome == Outcome::kLocalized || ranked.size() == 1) return first;
+  MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
+  MAPLOC_ASSIGN_OR_RETURN(Localization together, TryJointly(context, ranked, iterations, times));
+  if (together.outcome == Outcome::kLocalized) return together;
+  for (std::size_t i = 1; i < ranked.size(); ++i) {
     MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
-    MAPLOC_ASSIGN_OR_RETURN(Localization answer,
-                            TrySegment(context, context.map.segments[index], iterations, times));
+    MAPLOC_ASSIGN_OR_RETURN(Localization answer, try_one(ranked[i]));
     if (answer.outcome == Outcome::kLocalized) return answer;
-    if (!first) first = std::move(answer);
   }
-  return *std::move(first);
+  return first;
 }
 
 Localization OutOfMap(const Context& context) {

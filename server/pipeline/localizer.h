@@ -14,7 +14,7 @@
 namespace maploc {
 
 struct LocalizerOptions {
-  int max_segments_tried = 3;  // best ranked first
+  int max_segments_tried = 3;  // best ranked first, then all of them together
   double max_reprojection_error_px = 4.0;
   double min_confidence = 0.99;
   std::uint64_t seed =
