@@ -102,6 +102,19 @@ TEST_F(BinaryTest, AStoreThatIsNotSqliteIsOneLineAndExitOne) {
   EXPECT_EQ(Read("store"), "not a store\n");
 }
 
+TEST_F(BinaryTest, ATruncatedStoreIsOneLineAndExitOne) {
+  GiveMap(**OpenSqliteStore(folder_.File("store")));
+  const std::string cut = Read("store").substr(0, 3 * 4096);
+  std::ofstream(folder_.File("store"), std::ios::binary) << cut;
+  Process server(Command(), folder_.File("stderr"));
+  EXPECT_EQ(server.Wait(), 1);
+  const std::string said = Read("stderr");
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  EXPECT_NE(said.find(folder_.File("store") + ": the store is truncated"), std::string::npos)
+      << said;
+  EXPECT_TRUE(Read("store") == cut);
+}
+
 TEST_F(BinaryTest, AnInterruptIsACleanEndToo) {
   Process server(Command(), folder_.File("stderr"));
   WaitForAddress();
