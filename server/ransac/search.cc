@@ -90,7 +90,9 @@ class Search {
       best_sampled_score_ = support.score;
       UpdateBlock(support);
     }
-    return Keep(pose, support) | OptimizeLocally(pose);
+    const bool kept = Keep(pose, support);
+    const bool improved = OptimizeLocally(pose);  // also where the sample itself was not kept
+    return kept || improved;
   }
 
   // A new best is, always. A runner-up is where it costs little: with few inliers, or gravity a

@@ -57,7 +57,7 @@ Status SessionManager::Lease::Record(Observation observation) {
     return Internal("this query cannot be counted: " + valid.message());
   }
   ++open_->next_sequence;
-  open_->unsaved.push_back(std::move(observation));
+  open_->unsaved.push_back(observation);
   ++manager_->unsaved_;
   return Status::Ok();
 }
