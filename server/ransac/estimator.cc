@@ -11,11 +11,11 @@ namespace {
 // A pose that explains no more than its own sample explains nothing.
 int MinInliers(Strategy strategy) { return strategy == Strategy::kP3P ? 4 : 3; }
 
-// The strategy, then mixed, then 2P: each once.
+// The strategy, then its fallbacks: each once.
 std::vector<Strategy> StrategiesToTry(const RansacOptions& options) {
   std::vector<Strategy> strategies = {options.strategy};
   if (!options.fall_back || options.strategy == Strategy::kP3P) return strategies;
-  for (const Strategy next : {Strategy::kMixed, Strategy::k2P}) {
+  for (const Strategy next : options.fallbacks) {
     if (std::find(strategies.begin(), strategies.end(), next) == strategies.end()) {
       strategies.push_back(next);
     }

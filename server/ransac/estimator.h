@@ -16,7 +16,10 @@ namespace maploc {
 
 struct RansacOptions {
   Strategy strategy = Strategy::kMixed;
-  bool fall_back = true;  // to mixed, then 2P, where the strategy cannot be drawn or finds nothing
+  bool fall_back = true;  // to `fallbacks` where the strategy cannot be drawn or finds nothing
+  // Tried in this order, each once; a segment's ranking of strategies belongs here. P3P falls back
+  // to nothing: it is asked for where gravity is not to be used.
+  std::vector<Strategy> fallbacks = {Strategy::kMixed, Strategy::k2P};
   double max_reprojection_error_px = 4.0;  // inlier threshold for points and for lines' end points
   double success_confidence = 0.999;  // stop when a better consensus is less probable than 1 - this
   int min_iterations = 20;

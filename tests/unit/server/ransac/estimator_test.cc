@@ -103,6 +103,20 @@ TEST(Estimator, FallsBackWhereTheStrategyCannotBeDrawn) {
   EXPECT_EQ(found.iterations, 0);
 }
 
+TEST(Estimator, FallsBackInTheOrderAskedFor) {
+  Random random = TestRandom();
+  SyntheticOptions synthetic = HalfWrong();
+  synthetic.line_inliers = synthetic.line_outliers = 0;
+  const SyntheticProblem made = MakeSyntheticProblem(synthetic, random);
+  RansacOptions options;
+  options.strategy = Strategy::k1P1L;
+  options.fallbacks = {Strategy::k1P1L, Strategy::k2P, Strategy::kMixed};
+  const Consensus found = EstimateConsensus(made.problem, options);
+  EXPECT_TRUE(found.found);
+  EXPECT_TRUE(found.fell_back);
+  EXPECT_EQ(found.strategy, Strategy::k2P);
+}
+
 TEST(Estimator, NothingToDrawIsNotFound) {
   PoseProblem problem;
   problem.focal_length_px = 500;
