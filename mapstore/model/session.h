@@ -2,6 +2,7 @@
 // statistics a segment.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -76,6 +77,13 @@ struct SegmentStatistics {
   double typical_point_matches = 0.0;  // p, of a query (weighted mean of the sessions' medians)
   double typical_usable_line_matches = 0.0;    // l
   double typical_vertical_line_matches = 0.0;  // lv
+  double weighted_queries = 0.0;               // weighted by age, as the matches
+  double weighted_localized = 0.0;
+  // How many independent matches the sums above are worth (those of one view, and the views of one
+  // session, stand and fall together).
+  double independent_points = 0.0;
+  double independent_usable_lines = 0.0;
+  double independent_vertical_lines = 0.0;
   bool operator==(const SegmentStatistics&) const = default;
 
   // lambda and gamma; nullopt before any match.
@@ -95,7 +103,10 @@ struct StrategyDecision {
   Strategy strategy = Strategy::kMixed;
   StrategySource source = StrategySource::kDefault;
   std::string reason;              // one line for an operator
-  double predicted_success = 0.0;  // of one draw with `strategy`; 0 before evidence
+  double predicted_success = 0.0;  // of one iteration with `strategy`; 0 before evidence
+  // All strategies that the selector knows: `strategy` first, then the others, best first. What a
+  // query falls back to.
+  std::array<Strategy, 3> ranking = {Strategy::kMixed, Strategy::k2P, Strategy::k1P1L};
   bool operator==(const StrategyDecision&) const = default;
 };
 

@@ -1,48 +1,51 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapstore/statistics/change.h"
 #include "mapstore/statistics/statistics.h"
 
 namespace maploc {
 namespace {
 
-constexpr double kZ99 = 2.5758293035489004;  // two-sided 99% of the normal distribution
-
-// Does the ratio of a session lie outside the interval that older ones predict for it? The sum of
-// `matches` is worth no more than `most` independent ones. The mean is Jeffreys' (half an inlier
-// and half an outlier added), so that a spotless record does not predict perfection.
-bool IsOutside(double old_inliers, double old_matches, double old_most, double inliers,
-               double matches, double most) {
-  const double old_count = std::min(old_matches, old_most);
-  const double count = std::min(matches, most);
-  if (old_count <= 0.0 || count <= 0.0) return false;
-  const double mean = (old_inliers / old_matches * old_count + 0.5) / (old_count + 1.0);
-  const double variance = mean * (1.0 - mean) * (1.0 / old_count + 1.0 / count);
-  return std::abs(inliers / matches - mean) > kZ99 * std::sqrt(variance);
-}
+double Number(std::int64_t count) { return static_cast<double>(count); }
 
 }  // namespace
 
 StatisticsFold::StatisticsFold(const StatisticsOptions& options)
     : options_(options), decay_(std::exp2(-1.0 / options.half_life_sessions)) {}
 
+double StatisticsFold::IndependentQueries(std::int64_t queries) const {
+  return std::min(static_cast<double>(queries), options_.independent_queries_per_session);
+}
+
+double StatisticsFold::IndependentMatches(const SegmentSessionRow& row,
+                                          std::int64_t matches) const {
+  return std::min(static_cast<double>(matches),
+                  IndependentQueries(row.localized) * options_.independent_matches_per_query);
+}
+
 bool StatisticsFold::IsChange(const SegmentSessionRow& row) const {
-  const double old_most = localized_ * options_.independent_matches_per_query;
-  const double most = static_cast<double>(row.localized) * options_.independent_matches_per_query;
-  return IsOutside(sum_.point_inliers, sum_.point_matches, old_most,
-                   static_cast<double>(row.point_inliers), static_cast<double>(row.point_matches),
-                   most) ||
-         IsOutside(sum_.usable_line_inliers + sum_.vertical_line_inliers,
-                   sum_.usable_line_matches + sum_.vertical_line_matches, old_most,
-                   static_cast<double>(row.usable_line_inliers + row.vertical_line_inliers),
-                   static_cast<double>(row.usable_line_matches + row.vertical_line_matches), most);
+  const std::int64_t lines = row.usable_line_matches + row.vertical_line_matches;
+  const Proportion points = {Number(row.point_inliers), Number(row.point_matches),
+                             IndependentMatches(row, row.point_matches)};
+  const Proportion both_lines = {Number(row.usable_line_inliers + row.vertical_line_inliers),
+                                 Number(lines), IndependentMatches(row, lines)};
+  const Proportion success = {Number(row.localized), Number(row.queries),
+                              IndependentQueries(row.queries)};
+  return IsChanged({sum_.point_inliers, sum_.point_matches, sum_.independent_points}, points) ||
+         IsChanged({sum_.usable_line_inliers + sum_.vertical_line_inliers,
+                    sum_.usable_line_matches + sum_.vertical_line_matches, independent_lines_},
+                   both_lines) ||
+         IsChanged({sum_.weighted_localized, sum_.weighted_queries, independent_queries_}, success);
 }
 
 void StatisticsFold::Discount(double factor) {
   for (double* value :
        {&sum_.point_matches, &sum_.point_inliers, &sum_.usable_line_matches,
         &sum_.usable_line_inliers, &sum_.vertical_line_matches, &sum_.vertical_line_inliers,
-        &localized_, &point_medians_, &usable_line_medians_, &vertical_line_medians_}) {
+        &sum_.weighted_queries, &sum_.weighted_localized, &sum_.independent_points,
+        &sum_.independent_usable_lines, &sum_.independent_vertical_lines, &independent_lines_,
+        &independent_queries_, &point_medians_, &usable_line_medians_, &vertical_line_medians_}) {
     *value *= factor;
   }
 }
@@ -50,28 +53,38 @@ void StatisticsFold::Discount(double factor) {
 void StatisticsFold::Add(const SegmentSessionRow& row) {
   Discount(decay_);
   if (IsChange(row)) Discount(options_.change_discount);
-  const double localized = static_cast<double>(row.localized);
   ++sum_.sessions;
   sum_.queries += row.queries;
   sum_.localized += row.localized;
-  sum_.point_matches += static_cast<double>(row.point_matches);
-  sum_.point_inliers += static_cast<double>(row.point_inliers);
-  sum_.usable_line_matches += static_cast<double>(row.usable_line_matches);
-  sum_.usable_line_inliers += static_cast<double>(row.usable_line_inliers);
-  sum_.vertical_line_matches += static_cast<double>(row.vertical_line_matches);
-  sum_.vertical_line_inliers += static_cast<double>(row.vertical_line_inliers);
-  localized_ += localized;
-  point_medians_ += localized * row.median_point_matches;
-  usable_line_medians_ += localized * row.median_usable_line_matches;
-  vertical_line_medians_ += localized * row.median_vertical_line_matches;
+  sum_.point_matches += Number(row.point_matches);
+  sum_.point_inliers += Number(row.point_inliers);
+  sum_.usable_line_matches += Number(row.usable_line_matches);
+  sum_.usable_line_inliers += Number(row.usable_line_inliers);
+  sum_.vertical_line_matches += Number(row.vertical_line_matches);
+  sum_.vertical_line_inliers += Number(row.vertical_line_inliers);
+  sum_.weighted_queries += Number(row.queries);
+  sum_.weighted_localized += Number(row.localized);
+  AddIndependent(row);
+  point_medians_ += Number(row.localized) * row.median_point_matches;
+  usable_line_medians_ += Number(row.localized) * row.median_usable_line_matches;
+  vertical_line_medians_ += Number(row.localized) * row.median_vertical_line_matches;
+}
+
+void StatisticsFold::AddIndependent(const SegmentSessionRow& row) {
+  sum_.independent_points += IndependentMatches(row, row.point_matches);
+  sum_.independent_usable_lines += IndependentMatches(row, row.usable_line_matches);
+  sum_.independent_vertical_lines += IndependentMatches(row, row.vertical_line_matches);
+  independent_lines_ +=
+      IndependentMatches(row, row.usable_line_matches + row.vertical_line_matches);
+  independent_queries_ += IndependentQueries(row.queries);
 }
 
 SegmentStatistics StatisticsFold::Value() const {
   SegmentStatistics value = sum_;
-  if (localized_ <= 0.0) return value;
-  value.typical_point_matches = point_medians_ / localized_;
-  value.typical_usable_line_matches = usable_line_medians_ / localized_;
-  value.typical_vertical_line_matches = vertical_line_medians_ / localized_;
+  if (sum_.weighted_localized <= 0.0) return value;
+  value.typical_point_matches = point_medians_ / sum_.weighted_localized;
+  value.typical_usable_line_matches = usable_line_medians_ / sum_.weighted_localized;
+  value.typical_vertical_line_matches = vertical_line_medians_ / sum_.weighted_localized;
   return value;
 }
 

@@ -44,6 +44,15 @@ Strategy Choose(Strategy current, const StrategyPrediction& prediction,
   return best_time < (1.0 - options.hysteresis) * current_time ? best : current;
 }
 
+std::array<Strategy, 3> RankByTime(const StrategyPrediction& prediction,
+                                   const SelectorOptions& options) {
+  std::array<Strategy, 3> ranking = kCandidates;
+  std::stable_sort(ranking.begin(), ranking.end(), [&](Strategy a, Strategy b) {
+    return prediction.ExpectedTimeOf(a, options) < prediction.ExpectedTimeOf(b, options);
+  });
+  return ranking;
+}
+
 std::string Describe(Strategy strategy, const StrategyPrediction& prediction,
                      const SegmentStatistics& statistics) {
   std::array<char, 320> text;
@@ -63,7 +72,7 @@ StrategyDecision WithoutEvidence(const SegmentStatistics& statistics,
   return {Strategy::kMixed, StrategySource::kDefault,
           "mixed until there is evidence: " + std::to_string(statistics.localized) + " of " +
               std::to_string(options.min_localized_queries) + " localized queries",
-          0.0};
+          0.0, kCandidates};
 }
 
 }  // namespace
@@ -110,6 +119,12 @@ StrategyPrediction PredictStrategies(const SegmentStatistics& statistics,
   return prediction;
 }
 
+std::array<Strategy, 3> RankAfter(Strategy first, std::array<Strategy, 3> ranking) {
+  const auto found = std::find(ranking.begin(), ranking.end(), first);
+  std::rotate(ranking.begin(), found, found + 1);
+  return ranking;
+}
+
 StrategyDecision SelectStrategy(std::span<const SegmentSessionRow> rows,
                                 const SelectorOptions& options) {
   StatisticsFold fold(options.statistics);
@@ -126,7 +141,7 @@ StrategyDecision SelectStrategy(std::span<const SegmentSessionRow> rows,
   }
   const StrategyPrediction prediction = PredictStrategies(statistics, options);
   return {current, StrategySource::kLearned, Describe(current, prediction, statistics),
-          prediction.ProbabilityOf(current)};
+          prediction.ProbabilityOf(current), RankAfter(current, RankByTime(prediction, options))};
 }
 
 }  // namespace maploc

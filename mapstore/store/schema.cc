@@ -152,7 +152,28 @@ CREATE TABLE decisions (
 CREATE INDEX decisions_by_segment ON decisions (map, segment, id);
 )sql";
 
-constexpr std::array kMigrations = {kVersion1};
+// The selector looks at the posterior, ranks all strategies and knows what draws yield. Options of
+// version 1 get the defaults below; its decisions are derived anew with them (sqlite_file.cc).
+constexpr std::string_view kVersion2 = R"sql(
+ALTER TABLE selector_options ADD COLUMN independent_queries_per_session REAL NOT NULL DEFAULT 20;
+ALTER TABLE selector_options ADD COLUMN criterion INTEGER NOT NULL DEFAULT 1 CHECK (criterion IN (1, 2));
+ALTER TABLE selector_options ADD COLUMN max_iterations INTEGER NOT NULL DEFAULT 10000;
+ALTER TABLE selector_options ADD COLUMN two_points_good REAL NOT NULL DEFAULT 1;
+ALTER TABLE selector_options ADD COLUMN two_points_bad REAL NOT NULL DEFAULT 1;
+ALTER TABLE selector_options ADD COLUMN point_and_line_good REAL NOT NULL DEFAULT 1;
+ALTER TABLE selector_options ADD COLUMN point_and_line_bad REAL NOT NULL DEFAULT 1;
+ALTER TABLE selector_options ADD COLUMN point_and_verticals_good REAL NOT NULL DEFAULT 1;
+ALTER TABLE selector_options ADD COLUMN point_and_verticals_bad REAL NOT NULL DEFAULT 1;
+ALTER TABLE decisions ADD COLUMN second_choice INTEGER NOT NULL DEFAULT 3 CHECK (second_choice BETWEEN 1 AND 3);
+ALTER TABLE decisions ADD COLUMN third_choice INTEGER NOT NULL DEFAULT 3 CHECK (third_choice BETWEEN 1 AND 3);
+ALTER TABLE decisions ADD COLUMN weighted_queries REAL NOT NULL DEFAULT 0;
+ALTER TABLE decisions ADD COLUMN weighted_localized REAL NOT NULL DEFAULT 0;
+ALTER TABLE decisions ADD COLUMN independent_points REAL NOT NULL DEFAULT 0;
+ALTER TABLE decisions ADD COLUMN independent_usable_lines REAL NOT NULL DEFAULT 0;
+ALTER TABLE decisions ADD COLUMN independent_vertical_lines REAL NOT NULL DEFAULT 0;
+)sql";
+
+constexpr std::array kMigrations = {kVersion1, kVersion2};
 
 }  // namespace
 

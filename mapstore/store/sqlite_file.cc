@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "mapstore/store/schema.h"
+#include "mapstore/store/sqlite_learning.h"
 #include "mapstore/store/sqlite_store.h"
 
 namespace maploc {
@@ -77,7 +78,8 @@ Result<std::int64_t> UserVersion(SqliteDatabase& database) {
   return row ? statement.Int(0) : 0;
 }
 
-// In one transaction, so that a store is of one version or of the next. The application id is
+// In one transaction, so that a store is of one version or of the next. A version may also derive
+// decisions in its own way; those in force are derived anew. The application id is
 // written with the first, before the write-ahead log is turned on, so that CheckHeader finds it in
 // the main file.
 Status Migrate(SqliteDatabase& database) {
@@ -90,6 +92,7 @@ Status Migrate(SqliteDatabase& database) {
     MAPLOC_RETURN_IF_ERROR(
         database.Execute(std::string(StoreMigrations()[static_cast<std::size_t>(i)])));
   }
+  if (version > 0) MAPLOC_RETURN_IF_ERROR(DeriveDecisionsAnew(database, "migration"));
   MAPLOC_RETURN_IF_ERROR(
       database.Execute("PRAGMA application_id = " + std::to_string(kStoreApplicationId)));
   MAPLOC_RETURN_IF_ERROR(

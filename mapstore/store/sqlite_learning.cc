@@ -71,4 +71,24 @@ Status PinSqliteStrategy(SqliteConnections& connections, const MapKey& key, Segm
   return writer.CommitVisibly();
 }
 
+Status DeriveDecisionsAnew(SqliteDatabase& database, const std::string& cause) {
+  const std::int64_t now = SystemClock().NowUnixNanos();
+  MAPLOC_ASSIGN_OR_RETURN(const auto maps, ReadAllMaps(database));
+  for (const StoredMap& map : maps) {
+    for (SegmentId id = 0; id < map.summary.segments; ++id) {
+      MAPLOC_ASSIGN_OR_RETURN(SegmentState state,
+                              ReadSegmentState(database, map.row_id, id, SelectorOptions{}));
+      MAPLOC_ASSIGN_OR_RETURN(const auto rows, ReadRows(database, map.row_id, id));
+      SegmentDerivation derived = DeriveSegment(rows, state.pinned, state.options);
+      if (derived.statistics == state.derived.statistics &&
+          derived.decision == state.derived.decision) {
+        continue;
+      }
+      state.derived = std::move(derived);
+      MAPLOC_RETURN_IF_ERROR(InsertDecision(database, map.row_id, id, now, cause, state));
+    }
+  }
+  return Status::Ok();
+}
+
 }  // namespace maploc

@@ -16,4 +16,8 @@ Result<SessionSummary> EndSqliteSession(SqliteConnections& connections, const Se
 Status PinSqliteStrategy(SqliteConnections& connections, const MapKey& key, SegmentId id,
                          std::optional<Strategy> pinned);
 
+// Derives every segment's statistics and strategy from its rows, with the options that are in force
+// for it; what differs becomes a decision with this cause. REQUIRES: a write transaction.
+Status DeriveDecisionsAnew(SqliteDatabase& database, const std::string& cause);
+
 }  // namespace maploc

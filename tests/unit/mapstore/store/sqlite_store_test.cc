@@ -90,6 +90,41 @@ TEST_F(SqliteStoreTest, ANewerSchemaIsRefused) {
   EXPECT_EQ(ExpectRefused().reason(), "STORE_TOO_NEW");
 }
 
+// As version 1 left it, with a decision as only its own program derived it.
+TEST_F(SqliteStoreTest, AStoreOfVersionOneIsBroughtUpToDateWithItsDecisions) {
+  const auto rows_of = [&] { return Open()->ListRows({"yard", 1}, 1).value(); };
+  {
+    const auto store = Open();
+    const MapKey key = GiveMap(*store);
+    ASSERT_TRUE(store->StartSession(OpenSession("s", key)).ok());
+    ASSERT_TRUE(store->EndSession("s", SessionEnd::kByRobot, 5, std::vector{Seen(1, 1)}).ok());
+  }
+  const auto rows = rows_of();
+  for (const char* column :
+       {"independent_queries_per_session", "criterion", "max_iterations", "two_points_good",
+        "two_points_bad", "point_and_line_good", "point_and_line_bad", "point_and_verticals_good",
+        "point_and_verticals_bad"}) {
+    Execute("ALTER TABLE selector_options DROP COLUMN " + std::string(column));
+  }
+  for (const char* column :
+       {"second_choice", "third_choice", "weighted_queries", "weighted_localized",
+        "independent_points", "independent_usable_lines", "independent_vertical_lines"}) {
+    Execute("ALTER TABLE decisions DROP COLUMN " + std::string(column));
+  }
+  Execute("UPDATE decisions SET strategy = 1, reason = 'as version 1 saw it'");
+  Execute("PRAGMA user_version = 1");
+
+  const auto store = Open();
+  EXPECT_TRUE(store->Verify().ok()) << store->Verify().ToString();
+  EXPECT_EQ(store->ListRows({"yard", 1}, 1).value(), rows);
+  const auto decisions = store->ListDecisions({"yard", 1}, 1).value();
+  ASSERT_EQ(decisions.size(), 2u);
+  EXPECT_EQ(decisions[0].decision.reason, "as version 1 saw it");
+  EXPECT_EQ(decisions[1].cause, "migration");
+  EXPECT_EQ(decisions[1].decision, store->GetSegment({"yard", 1}, 1)->decision);
+  EXPECT_TRUE(store->ListDecisions({"yard", 1}, 0)->empty());
+}
+
 TEST_F(SqliteStoreTest, AFolderOrAMissingFileIsRefused) {
   EXPECT_EQ(OpenSqliteStore(folder_.File("")).status().reason(), "INVALID_FILE");
   SqliteStoreOptions reading;
@@ -189,6 +224,11 @@ TEST_F(SqliteStoreTest, OtherOptionsDoNotMakeOldStatisticsWrong) {
   SqliteStoreOptions options;
   options.selector.statistics.half_life_sessions = 1.0;
   options.selector.cost_1p1l = 7.0;
+  options.selector.criterion = StrategyCriterion::kPaper;
+  options.selector.max_iterations = 100;
+  options.selector.two_points = {0.5, 0.25};
+  options.selector.point_and_line = {0.6, 0.35};
+  options.selector.point_and_verticals = {0.7, 0.45};
   {
     const auto store = OpenSqliteStore(path_, options).value();
     const MapKey key = GiveMap(*store);

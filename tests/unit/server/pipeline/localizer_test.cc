@@ -89,7 +89,11 @@ TEST_F(LocalizerTest, EveryStrategyGivesTheSameEvidence) {
 }
 
 TEST_F(LocalizerTest, ARequestedStrategyGoesBeforeTheSegments) {
-  snapshot_ = Snapshot(world_, {Strategy::k2P, StrategySource::kLearned, "", 0.5});
+  snapshot_ = Snapshot(world_, {Strategy::k2P,
+                                StrategySource::kLearned,
+                                "",
+                                0.5,
+                                {Strategy::k2P, Strategy::kMixed, Strategy::k1P1L}});
   Query query = world_.See(camera_from_map_, {}, random_);
   EXPECT_EQ(Run(query)->evidence.strategy, Strategy::k2P);
   EXPECT_EQ(Run(query)->strategy_source, StrategySource::kLearned);
