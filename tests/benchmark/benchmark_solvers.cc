@@ -1,8 +1,14 @@
-// ns a problem of each minimal solver, with the poses it found a problem beside.
+// ns a problem of each minimal solver, with the poses it found a problem beside; OpenGV's and
+// OpenCV's P3P as peers in the same run. All solve the same problems.
+#include <memory>
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <opencv2/calib3d.hpp>
+#include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
+#include <opengv/absolute_pose/methods.hpp>
 
+#include "server/solvers/p2p1l.h"
 #include "server/solvers/p3p.h"
 #include "server/solvers/up1p1l.h"
 #include "server/solvers/up1p2v.h"
@@ -20,7 +26,9 @@ struct Problem {
   Eigen::Vector3d camera_rays[3];
   Eigen::Vector3d rays[3];  // aligned
   Eigen::Vector3d points[3];
-  Eigen::Vector3d normal;  // aligned, of the line through points 1 and 2
+  Eigen::Vector3d normal;         // aligned, of the line through points 1 and 2
+  Eigen::Vector3d camera_normal;  // of the line through point 2 and line_end
+  Eigen::Vector3d line_end;
   Eigen::Vector3d direction;
   Eigen::Vector3d vertical_normals[2];  // aligned, of the verticals through points 1 and 2
 };
@@ -41,6 +49,9 @@ std::vector<Problem> MakeProblems() {
     }
     problem.normal = problem.rays[1].cross(problem.rays[2]);
     problem.direction = problem.points[2] - problem.points[1];
+    problem.line_end = {random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1)};
+    problem.camera_normal =
+        problem.camera_rays[2].cross(Eigen::Vector3d(camera_from_map * problem.line_end));
     for (int i = 0; i < 2; ++i) {
       problem.vertical_normals[i] = problem.rays[i + 1].cross(Eigen::Vector3d(0, 0, 1));
     }
@@ -48,9 +59,13 @@ std::vector<Problem> MakeProblems() {
   return problems;
 }
 
-template <typename Solve>
-void Run(benchmark::State& state, const Solve& solve) {
+const std::vector<Problem>& Problems() {
   static const std::vector<Problem> problems = MakeProblems();
+  return problems;
+}
+
+template <typename AnyProblem, typename Solve>
+void RunOver(benchmark::State& state, const std::vector<AnyProblem>& problems, const Solve& solve) {
   std::int64_t found = 0;
   std::size_t i = 0;
   for (auto _ : state) {
@@ -59,6 +74,11 @@ void Run(benchmark::State& state, const Solve& solve) {
   }
   state.counters["solutions"] =
       static_cast<double>(found) / static_cast<double>(state.iterations());
+}
+
+template <typename Solve>
+void Run(benchmark::State& state, const Solve& solve) {
+  RunOver(state, Problems(), solve);
 }
 
 void BM_Up2p(benchmark::State& state) {
@@ -113,6 +133,89 @@ void BM_P3p(benchmark::State& state) {
   });
 }
 BENCHMARK(BM_P3p);
+
+void BM_P2p1l(benchmark::State& state) {
+  Run(state, [](const Problem& p) {
+    Rigid3 poses[8];
+    const int count = SolveP2p1l(p.camera_rays, p.points, p.camera_normal, p.points[2],
+                                 p.points[2] - p.line_end, poses);
+    benchmark::DoNotOptimize(poses);
+    return count;
+  });
+}
+BENCHMARK(BM_P2p1l);
+
+// ---- peers
+
+// A problem as OpenGV takes it: unit bearings, and an adapter made once.
+struct OpenGvProblem {
+  opengv::bearingVectors_t bearings;
+  opengv::points_t points;
+  opengv::absolute_pose::CentralAbsoluteAdapter adapter;
+
+  explicit OpenGvProblem(const Problem& problem)
+      : bearings(problem.camera_rays, problem.camera_rays + 3),
+        points(problem.points, problem.points + 3),
+        adapter(bearings, points) {
+    for (opengv::bearingVector_t& bearing : bearings) bearing.normalize();
+  }
+};
+
+template <typename Solve>
+void RunOpenGv(benchmark::State& state, const Solve& solve) {
+  static const std::vector<std::unique_ptr<OpenGvProblem>> problems = [] {
+    std::vector<std::unique_ptr<OpenGvProblem>> made;
+    for (const Problem& problem : Problems()) {
+      made.push_back(std::make_unique<OpenGvProblem>(problem));
+    }
+    return made;
+  }();
+  RunOver(state, problems,
+          [&](const auto& problem) { return static_cast<int>(solve(problem->adapter).size()); });
+}
+
+void BM_OpenGvP3pKneip(benchmark::State& state) {
+  RunOpenGv(state, [](const auto& adapter) { return opengv::absolute_pose::p3p_kneip(adapter); });
+}
+BENCHMARK(BM_OpenGvP3pKneip);
+
+void BM_OpenGvP3pGao(benchmark::State& state) {
+  RunOpenGv(state, [](const auto& adapter) { return opengv::absolute_pose::p3p_gao(adapter); });
+}
+BENCHMARK(BM_OpenGvP3pGao);
+
+struct OpenCvProblem {
+  std::vector<cv::Point3d> points;
+  std::vector<cv::Point2d> seen;
+};
+
+void RunOpenCv(benchmark::State& state, int method) {
+  static const std::vector<OpenCvProblem> problems = [] {
+    std::vector<OpenCvProblem> made;
+    for (const Problem& problem : Problems()) {
+      OpenCvProblem& to = made.emplace_back();
+      for (int i = 0; i < 3; ++i) {
+        const Eigen::Vector3d& p = problem.points[i];
+        to.points.emplace_back(p.x(), p.y(), p.z());
+        to.seen.emplace_back(problem.camera_rays[i].x(), problem.camera_rays[i].y());
+      }
+    }
+    return made;
+  }();
+  const cv::Mat identity = cv::Mat::eye(3, 3, CV_64F);
+  RunOver(state, problems, [&](const OpenCvProblem& problem) {
+    std::vector<cv::Mat> rotations;
+    std::vector<cv::Mat> translations;
+    return cv::solveP3P(problem.points, problem.seen, identity, cv::noArray(), rotations,
+                        translations, method);
+  });
+}
+
+void BM_OpenCvP3p(benchmark::State& state) { RunOpenCv(state, cv::SOLVEPNP_P3P); }
+BENCHMARK(BM_OpenCvP3p);
+
+void BM_OpenCvAp3p(benchmark::State& state) { RunOpenCv(state, cv::SOLVEPNP_AP3P); }
+BENCHMARK(BM_OpenCvAp3p);
 
 }  // namespace
 }  // namespace maploc::testing
