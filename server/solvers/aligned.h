@@ -34,6 +34,19 @@ struct AlignedPose {
   }
 };
 
+// The pose that sees `point` at `depth` along `ray`: t = depth ray - Rz P. One coordinate at a time
+// on purpose: Eigen would join two into a packet through memory, and wait for it.
+inline void WritePoseAtDepth(const Yaw& yaw, double depth, const Eigen::Vector3d& ray,
+                             const Eigen::Vector3d& point, AlignedPose* aligned_from_map) {
+  const double x = depth * ray.x() - (yaw.cosine * point.x() - yaw.sine * point.y());
+  const double y = depth * ray.y() - (yaw.sine * point.x() + yaw.cosine * point.y());
+  const double z = depth * ray.z() - point.z();
+  aligned_from_map->yaw = yaw;
+  aligned_from_map->translation.x() = x;
+  aligned_from_map->translation.y() = y;
+  aligned_from_map->translation.z() = z;
+}
+
 inline Eigen::Matrix3d RotationMatrix(const Yaw& yaw) {
   Eigen::Matrix3d rotation;
   rotation << yaw.cosine, -yaw.sine, 0, yaw.sine, yaw.cosine, 0, 0, 0, 1;

@@ -24,7 +24,8 @@
 
 namespace maploc {
 
-// Kernel. Returns the number of poses written, 0 to 2.
+// Kernel. Returns the number of poses, 0 to 2; entries from there on are overwritten with nothing
+// of use.
 int SolveUp1p1l(const Eigen::Vector3d& ray, const Eigen::Vector3d& point,
                 const Eigen::Vector3d& plane_normal, const Eigen::Vector3d& line_point,
                 const Eigen::Vector3d& line_direction, AlignedPose aligned_from_map[2]);

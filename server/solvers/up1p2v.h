@@ -6,7 +6,7 @@
 // centre; gravity known. Equations: n_i . (Rz(yaw) (L_i - P) + l x) = 0, i = 1, 2. Eliminating the
 // depth l:
 //   (n2.x) n1 . Rz (L1 - P) - (n1.x) n2 . Rz (L2 - P) = 0,  again A cos + B sin + C = 0;
-// then l from the line with the larger |n_i . x|, t = l x - Rz P.
+// then l by least squares from both, t = l x - Rz P.
 // Frames: ray and normals in the gravity-aligned camera frame, P, L_i in the map (z up); out:
 // aligned_from_map.
 // Preconditions: finite input. The lines should be vertical: a tilt is an error of the model. The
@@ -24,7 +24,8 @@
 
 namespace maploc {
 
-// Kernel. Returns the number of poses written, 0 to 2.
+// Kernel. Returns the number of poses, 0 to 2; entries from there on are overwritten with nothing
+// of use.
 int SolveUp1p2v(const Eigen::Vector3d& ray, const Eigen::Vector3d& point,
                 const Eigen::Vector3d& plane_normal1, const Eigen::Vector3d& line_point1,
                 const Eigen::Vector3d& plane_normal2, const Eigen::Vector3d& line_point2,

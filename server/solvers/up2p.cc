@@ -1,5 +1,7 @@
 #include "server/solvers/up2p.h"
 
+#include <limits>
+
 #include "server/solvers/yaw_equation.h"
 
 namespace maploc {
@@ -8,23 +10,28 @@ int SolveUp2p(const Eigen::Vector3d& ray1, const Eigen::Vector3d& point1,
               const Eigen::Vector3d& ray2, const Eigen::Vector3d& point2,
               AlignedPose aligned_from_map[2]) {
   const Eigen::Vector3d n = ray1.cross(ray2);
-  const double n2 = n.squaredNorm();
-  if (!(n2 > 0)) return 0;
   const Eigen::Vector3d d = point2 - point1;
-  Yaw yaws[2];
-  const int roots = SolveYaw(MakeYawEquation(n, d), yaws);
-  // l1 = -(Rz D x x2) . n / |n|^2 = -Rz D . (x2 x n) / |n|^2, and the same with x1 for l2.
-  const Eigen::Vector3d to_depth1 = ray2.cross(n) * (-1.0 / n2);
-  const Eigen::Vector3d to_depth2 = ray1.cross(n) * (-1.0 / n2);
-  int count = 0;
-  for (int i = 0; i < roots; ++i) {
-    const Eigen::Vector3d turned = TurnByYaw(yaws[i], d);
-    const double depth1 = turned.dot(to_depth1);
-    const double depth2 = turned.dot(to_depth2);
-    if (!(depth1 > 0 && depth2 > 0)) continue;
-    aligned_from_map[count++] = {yaws[i], depth1 * ray1 - TurnByYaw(yaws[i], point1)};
-  }
-  return count;
+  const YawRoots roots = FindYawRoots(MakeYawEquation(n, d));
+  const double n2 = n.x() * n.x() + n.y() * n.y() + n.z() * n.z();
+  // One division serves both: 1 / r2 and 1 / |n|^2.
+  const double product = roots.r2 * n2;
+  const double inverse = 1.0 / product;
+  const double by_r2 = inverse * n2;
+  const double by_n2 = inverse * roots.r2;
+  const bool solvable = roots.real & (product >= std::numeric_limits<double>::min());
+  // l1 = -(Rz D x x2) . n / |n|^2 = (n x x2) . Rz D / |n|^2, and the same with x1 for l2.
+  const YawEquation to_depth1 = MakeYawEquation(n.cross(ray2), d);
+  const YawEquation to_depth2 = MakeYawEquation(n.cross(ray1), d);
+  // Both are written and the valid ones kept by counting: no branch to mispredict.
+  const Yaw first = roots.Root(-1.0, by_r2);
+  const Yaw second = roots.Root(1.0, by_r2);
+  const double depth1 = Value(to_depth1, first) * by_n2;
+  const double depth2 = Value(to_depth1, second) * by_n2;
+  const int keep1 = static_cast<int>(solvable & (depth1 > 0) & (Value(to_depth2, first) > 0));
+  const int keep2 = static_cast<int>(solvable & (depth2 > 0) & (Value(to_depth2, second) > 0));
+  WritePoseAtDepth(first, depth1, ray1, point1, &aligned_from_map[0]);
+  WritePoseAtDepth(second, depth2, ray1, point1, &aligned_from_map[keep1]);
+  return keep1 + keep2;
 }
 
 double Up2pConditioning(const Eigen::Vector3d& ray1, const Eigen::Vector3d& point1,

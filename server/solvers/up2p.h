@@ -23,7 +23,8 @@
 
 namespace maploc {
 
-// Kernel. Returns the number of poses written, 0 to 2.
+// Kernel. Returns the number of poses, 0 to 2; entries from there on are overwritten with nothing
+// of use.
 int SolveUp2p(const Eigen::Vector3d& ray1, const Eigen::Vector3d& point1,
               const Eigen::Vector3d& ray2, const Eigen::Vector3d& point2,
               AlignedPose aligned_from_map[2]);

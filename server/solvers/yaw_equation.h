@@ -33,6 +33,11 @@ inline YawEquation MakeYawEquation(const Eigen::Vector3d& n, const Eigen::Vector
   return {n.x() * d.x() + n.y() * d.y(), n.y() * d.x() - n.x() * d.y(), n.z() * d.z()};
 }
 
+// n . Rz(yaw) D at a known yaw.
+inline double Value(const YawEquation& equation, const Yaw& yaw) {
+  return equation.a * yaw.cosine + equation.b * yaw.sine + equation.c;
+}
+
 // w^2 before clamping; scales with |n|^2 |D|^2. Needs no yaw, so it can gate before solving.
 inline double YawDiscriminant(const YawEquation& equation) {
   return equation.a * equation.a + equation.b * equation.b - equation.c * equation.c;
@@ -49,16 +54,37 @@ inline double YawConditioning(const Eigen::Vector3d& n, const Eigen::Vector3d& d
 // -kDoubleRootTolerance r2; that moves the yaw by at most sqrt(kDoubleRootTolerance) = 1e-5 rad.
 inline constexpr double kDoubleRootTolerance = 1e-10;
 
-// Returns 0 or 2 (a double root twice); 0 where the yaw is unobservable.
-inline int SolveYaw(const YawEquation& equation, Yaw yaws[2]) {
+// The two roots without a branch: cos_k = (cosine_mean -+ cosine_half) / r2, sin likewise. `real`
+// is false where there is no root; the numbers are then finite and mean nothing.
+struct YawRoots {
+  double r2 = 0.0;
+  double cosine_mean = 0.0;
+  double cosine_half = 0.0;
+  double sine_mean = 0.0;
+  double sine_half = 0.0;
+  bool real = false;
+
+  // sign = -1 or 1.
+  Yaw Root(double sign, double by_r2) const {
+    return {(cosine_mean + sign * cosine_half) * by_r2, (sine_mean + sign * sine_half) * by_r2};
+  }
+};
+
+inline YawRoots FindYawRoots(const YawEquation& equation) {
   const auto [a, b, c] = equation;
   const double r2 = a * a + b * b;
   const double discriminant = r2 - c * c;
-  if (!(r2 > 0) || discriminant < -kDoubleRootTolerance * r2) return 0;
   const double w = std::sqrt(std::max(discriminant, 0.0));
-  const double inverse = 1.0 / r2;
-  yaws[0] = {(-a * c - b * w) * inverse, (-b * c + a * w) * inverse};
-  yaws[1] = {(-a * c + b * w) * inverse, (-b * c - a * w) * inverse};
+  return {r2, -a * c, b * w, -b * c, -a * w, discriminant >= -kDoubleRootTolerance * r2};
+}
+
+// Returns 0 or 2 (a double root twice); 0 where the yaw is unobservable.
+inline int SolveYaw(const YawEquation& equation, Yaw yaws[2]) {
+  const YawRoots roots = FindYawRoots(equation);
+  if (!(roots.real && roots.r2 > 0)) return 0;
+  const double inverse = 1.0 / roots.r2;
+  yaws[0] = roots.Root(-1.0, inverse);
+  yaws[1] = roots.Root(1.0, inverse);
   return 2;
 }
 

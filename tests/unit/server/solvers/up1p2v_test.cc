@@ -13,27 +13,31 @@ struct PointAndVerticals {
   Eigen::Vector3d normal1, line1, normal2, line2;
 };
 
-// In the aligned frame of a scene whose camera is aligned itself.
-PointAndVerticals MakeSample(const AlignedPose& truth, Random& random) {
-  const auto visible_point = [&] {
-    return Eigen::Vector3d(random.Uniform(2, 10), random.Uniform(-4, 4), random.Uniform(-2, 2));
-  };
-  const auto to_map = [&](const Eigen::Vector3d& in_aligned) {
-    const Yaw back = {truth.yaw.cosine, -truth.yaw.sine};
-    return TurnByYaw(back, in_aligned - truth.translation);
-  };
-  PointAndVerticals made;
-  const Eigen::Vector3d p = visible_point();
-  made.ray = p / p.x();
-  made.point = to_map(p);
+Eigen::Vector3d ToMap(const AlignedPose& truth, const Eigen::Vector3d& in_aligned) {
+  const Yaw back = {truth.yaw.cosine, -truth.yaw.sine};
+  return TurnByYaw(back, in_aligned - truth.translation);
+}
+
+// From places in the aligned frame: the point, and one on each vertical.
+PointAndVerticals MakeSample(const AlignedPose& truth, const Eigen::Vector3d& p,
+                             const Eigen::Vector3d& l1, const Eigen::Vector3d& l2) {
   const Eigen::Vector3d up(0, 0, 1);
+  return {p,
+          ToMap(truth, p),
+          l1.cross(up).normalized(),
+          ToMap(truth, l1),
+          l2.cross(up).normalized(),
+          ToMap(truth, l2)};
+}
+
+PointAndVerticals MakeSample(const AlignedPose& truth, Random& random, double scale = 1.0) {
+  const auto visible_point = [&]() -> Eigen::Vector3d {
+    return scale *
+           Eigen::Vector3d(random.Uniform(2, 10), random.Uniform(-4, 4), random.Uniform(-2, 2));
+  };
+  const Eigen::Vector3d p = visible_point();
   const Eigen::Vector3d l1 = visible_point();
-  const Eigen::Vector3d l2 = visible_point();
-  made.normal1 = l1.cross(l1 + up).normalized();
-  made.normal2 = l2.cross(l2 + up).normalized();
-  made.line1 = to_map(l1);
-  made.line2 = to_map(l2);
-  return made;
+  return MakeSample(truth, p, l1, visible_point());
 }
 
 AlignedPose RandomAlignedPose(Random& random) {
@@ -46,19 +50,113 @@ double YawError(const Yaw& a, const Yaw& b) {
       std::atan2(a.sine * b.cosine - a.cosine * b.sine, a.cosine * b.cosine + a.sine * b.sine));
 }
 
+// The yaw's error; pi unless there is exactly one solution.
+double SolvedYawError(const PointAndVerticals& s, const AlignedPose& truth) {
+  AlignedPose poses[2];
+  const int count = SolveUp1p2v(s.ray, s.point, s.normal1, s.line1, s.normal2, s.line2, poses);
+  return count == 1 ? YawError(poses[0].yaw, truth.yaw) : std::numbers::pi;
+}
+
 TEST(Up1p2v, RecoversRandomPosesWithOneSolution) {
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    Random random = TestRandom(seed);
+    std::vector<double> errors;
+    for (int i = 0; i < kManyProblems; ++i) {
+      const AlignedPose truth = RandomAlignedPose(random);
+      errors.push_back(SolvedYawError(MakeSample(truth, random), truth));
+    }
+    const ErrorSummary summary = Summarize(errors);
+    EXPECT_EQ(summary.missed, 0);
+    EXPECT_LE(summary.percent999, 1e-11);
+  }
+}
+
+TEST(Up1p2v, NoYawIsSpecial) {
+  Random random = TestRandom();
+  const Yaw yaws[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+  for (const Yaw& yaw : yaws) {
+    std::vector<double> errors;
+    for (int i = 0; i < 5000; ++i) {
+      const AlignedPose truth = {yaw, RandomDirection(random)};
+      errors.push_back(SolvedYawError(MakeSample(truth, random), truth));
+    }
+    const ErrorSummary summary = Summarize(errors);
+    EXPECT_EQ(summary.missed, 0);
+    EXPECT_LE(summary.percent99, 1e-11);
+  }
+}
+
+// All at the camera's height: to verticals and a bearing, heights are nothing.
+TEST(Up1p2v, EqualHeightsAreNotDegenerate) {
+  Random random = TestRandom();
+  std::vector<double> errors;
+  for (int i = 0; i < 5000; ++i) {
+    const AlignedPose truth = RandomAlignedPose(random);
+    const auto level = [&] {
+      return Eigen::Vector3d(random.Uniform(2, 10), random.Uniform(-4, 4), 0);
+    };
+    const Eigen::Vector3d p = level();
+    const Eigen::Vector3d l1 = level();
+    errors.push_back(SolvedYawError(MakeSample(truth, p, l1, level()), truth));
+  }
+  const ErrorSummary summary = Summarize(errors);
+  EXPECT_EQ(summary.missed, 0);
+  EXPECT_LE(summary.percent99, 1e-11);
+}
+
+TEST(Up1p2v, RaysOneDegreeApart) {
   Random random = TestRandom();
   std::vector<double> errors;
   for (int i = 0; i < 20000; ++i) {
     const AlignedPose truth = RandomAlignedPose(random);
-    const PointAndVerticals s = MakeSample(truth, random);
-    AlignedPose poses[2];
-    const int count = SolveUp1p2v(s.ray, s.point, s.normal1, s.line1, s.normal2, s.line2, poses);
-    ASSERT_EQ(count, 1) << "problem " << i;
-    errors.push_back(YawError(poses[0].yaw, truth.yaw));
+    const double bearing = random.Uniform(-1, 1);
+    const auto at = [&](double degrees) -> Eigen::Vector3d {
+      const double angle = bearing + degrees * kDegree;
+      return random.Uniform(2, 10) *
+             Eigen::Vector3d(std::cos(angle), std::sin(angle), random.Uniform(-0.3, 0.3));
+    };
+    const Eigen::Vector3d p = at(0);
+    const Eigen::Vector3d l1 = at(1);
+    errors.push_back(SolvedYawError(MakeSample(truth, p, l1, at(-1)), truth));
   }
-  EXPECT_LT(Percentile(errors, 0.5), 1e-14);
-  EXPECT_LT(Percentile(errors, 0.999), 1e-9);
+  const ErrorSummary summary = Summarize(errors);
+  EXPECT_EQ(summary.missed, 0);
+  EXPECT_LE(summary.percent99, 1e-11);
+}
+
+TEST(Up1p2v, MapFiveHundredKilometresFromItsOrigin) {
+  Random random = TestRandom();
+  std::vector<double> errors;
+  for (int i = 0; i < 20000; ++i) {
+    const AlignedPose truth = RandomAlignedPose(random);
+    PointAndVerticals s = MakeSample(truth, random);
+    for (Eigen::Vector3d* position : {&s.point, &s.line1, &s.line2}) *position += kFarAway;
+    // Seen where they are stored: an exact difference.
+    const auto ray_to = [&](const Eigen::Vector3d& position) {
+      return truth * (position - kFarAway);
+    };
+    const Eigen::Vector3d up(0, 0, 1);
+    s.ray = ray_to(s.point);
+    s.normal1 = ray_to(s.line1).cross(up);
+    s.normal2 = ray_to(s.line2).cross(up);
+    errors.push_back(SolvedYawError(s, truth));
+  }
+  const ErrorSummary summary = Summarize(errors);
+  EXPECT_EQ(summary.missed, 0);
+  EXPECT_LE(summary.percent999, 1e-11);
+}
+
+TEST(Up1p2v, ScenesOfCentimetres) {
+  Random random = TestRandom();
+  std::vector<double> errors;
+  for (int i = 0; i < 20000; ++i) {
+    AlignedPose truth = RandomAlignedPose(random);
+    truth.translation *= 0.01;
+    errors.push_back(SolvedYawError(MakeSample(truth, random, 0.01), truth));
+  }
+  const ErrorSummary summary = Summarize(errors);
+  EXPECT_EQ(summary.missed, 0);
+  EXPECT_LE(summary.percent999, 1e-11);
 }
 
 TEST(Up1p2v, ConditioningIsZeroOnTheDangerCircle) {

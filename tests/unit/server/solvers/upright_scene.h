@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <numbers>
 #include <vector>
 
@@ -23,6 +24,11 @@ struct UprightScene {
 
   Eigen::Vector3d PointInMap(const Eigen::Vector3d& ray_in_camera, double depth) const {
     return camera_from_map.Inverse() * Eigen::Vector3d(depth * ray_in_camera);
+  }
+  // Of a point as it is stored, rounding and all; not scaled to z = 1. The difference is exact
+  // where both are far away, so that the sample is free of noise there too.
+  Eigen::Vector3d RayTo(const Eigen::Vector3d& point_in_map) const {
+    return camera_from_map.rotation * (point_in_map - centre_in_map);
   }
 };
 
@@ -75,5 +81,37 @@ inline double Percentile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
+
+// 500 km from the origin. Coordinates are rounded to 3e-11 m there, which rays of stored points
+// know (RayTo). The solvers take differences of positions first, so a rotation is as exact as near
+// the origin, and a position as exact as its coordinates.
+inline const Eigen::Vector3d kFarAway(4e5, -3e5, 100);
+inline constexpr double kFarPositionError = 1e-9;  // a few roundings of 6e-11
+
+// A pose is missed when none of those found is nearer than this. (Near a double root an answer may
+// be off by the square root of its rounding, and the solvers clamp a double root within 1e-5.)
+inline constexpr double kMissedRad = 1e-5;
+
+// What is asked of a solver, and printed for its README.
+struct ErrorSummary {
+  int missed = 0;
+  double median = 0.0, percent99 = 0.0, percent999 = 0.0, worst = 0.0;
+};
+
+inline ErrorSummary Summarize(const std::vector<double>& rotation_errors) {
+  ErrorSummary summary;
+  for (const double error : rotation_errors) summary.missed += error > kMissedRad ? 1 : 0;
+  summary.median = Percentile(rotation_errors, 0.5);
+  summary.percent99 = Percentile(rotation_errors, 0.99);
+  summary.percent999 = Percentile(rotation_errors, 0.999);
+  summary.worst = Percentile(rotation_errors, 1.0);
+  std::cout << rotation_errors.size() << " problems, rotation error: median " << summary.median
+            << ", 99% " << summary.percent99 << ", 99.9% " << summary.percent999 << ", worst "
+            << summary.worst << ", missed " << summary.missed << std::endl;
+  return summary;
+}
+
+inline constexpr int kManyProblems = 100000;
+inline constexpr int kSeeds = 3;
 
 }  // namespace maploc::testing
