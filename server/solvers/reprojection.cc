@@ -7,16 +7,6 @@
 #include <Eigen/Geometry>
 
 namespace maploc {
-namespace {
-
-Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-}  // namespace
-
 bool PointReprojection(const PoseMatrix& camera_from_map, const PointCorrespondence& point,
                        Eigen::Vector2d* error, Jacobian26* jacobian) {
   const Eigen::Vector3d rotated = camera_from_map.rotation * point.position_in_map;
@@ -27,10 +17,13 @@ bool PointReprojection(const PoseMatrix& camera_from_map, const PointCorresponde
   const double y = q.y() * inverse_depth;
   *error = Eigen::Vector2d(x, y) - point.normalized;
   if (jacobian != nullptr) {
-    Eigen::Matrix<double, 2, 3> by_q;
-    by_q << inverse_depth, 0, -x * inverse_depth, 0, inverse_depth, -y * inverse_depth;
-    jacobian->leftCols<3>().noalias() = -by_q * Skew(rotated);
-    jacobian->rightCols<3>() = by_q;
+    const Eigen::Vector3d by_q[2] = {{inverse_depth, 0, -x * inverse_depth},
+                                     {0, inverse_depth, -y * inverse_depth}};
+    for (int i = 0; i < 2; ++i) {
+      // dq/dw = -[R p]x, so e's row a becomes -a^T [R p]x = (R p x a)^T.
+      jacobian->row(i).leftCols<3>() = rotated.cross(by_q[i]).transpose();
+      jacobian->row(i).rightCols<3>() = by_q[i].transpose();
+    }
   }
   return true;
 }
@@ -49,14 +42,16 @@ bool LineReprojection(const PoseMatrix& camera_from_map, const LineCorrespondenc
                                    line.normalized.end.homogeneous()};
   for (int i = 0; i < 2; ++i) (*error)(i) = moment.dot(seen[i]) / norm;
   if (jacobian == nullptr) return true;
-  const Eigen::Matrix3d by_d = -Skew(direction);  // of the moment
-  const Eigen::Matrix3d by_w =
-      -Skew(rotated.cross(direction)) + Skew(camera_from_map.translation) * by_d;
+  // m = R s x D + t x D with D = R (end - s): dm/dw = -[R s x D]x - [t]x [D]x, dm/dd = -[D]x, and
+  // -a^T [v]x = (v x a)^T.
+  const Eigen::Vector3d turning = rotated.cross(direction);
   for (int i = 0; i < 2; ++i) {
     const Eigen::Vector3d by_moment =
         (seen[i] - (*error)(i) / norm * Eigen::Vector3d(moment.x(), moment.y(), 0)) / norm;
-    jacobian->row(i).leftCols<3>() = by_moment.transpose() * by_w;
-    jacobian->row(i).rightCols<3>() = by_moment.transpose() * by_d;
+    jacobian->row(i).leftCols<3>() =
+        (turning.cross(by_moment) + direction.cross(by_moment.cross(camera_from_map.translation)))
+            .transpose();
+    jacobian->row(i).rightCols<3>() = direction.cross(by_moment).transpose();
   }
   return true;
 }
