@@ -2,6 +2,12 @@
 
 namespace maploc {
 
+bool DrawsVerticalLines(Strategy strategy, std::size_t usable_lines, std::size_t vertical_lines) {
+  if (vertical_lines < 2 || vertical_lines <= usable_lines) return false;
+  return strategy == Strategy::kMixed ||
+         (strategy == Strategy::k1P1L && usable_lines < kEnoughUsableLines);
+}
+
 std::string_view StrategyName(Strategy strategy) {
   switch (strategy) {
     case Strategy::k1P1L:

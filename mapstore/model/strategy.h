@@ -1,6 +1,7 @@
 // How RANSAC draws its samples, how a pose is refined, and who said so.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string_view>
 
@@ -26,6 +27,15 @@ enum class Refinement {
   k4Dof = 2,  // yaw and translation; gravity held
   k6Dof = 3,  // gravity forgotten
 };
+
+// Whether vertical lines join the draw of a strategy's second entity (a vertical line asks for a
+// second one: one point and two vertical lines). The sampler draws by it, the selector predicts by
+// it.
+// * mixed: where they outnumber the usable lines.
+// * 1P1L: the same, and there are fewer than kEnoughUsableLines usable ones: a pair of vertical
+//   lines is right only when both are, but so few usable ones may all be wrong.
+inline constexpr std::size_t kEnoughUsableLines = 10;
+bool DrawsVerticalLines(Strategy strategy, std::size_t usable_lines, std::size_t vertical_lines);
 
 std::string_view StrategyName(Strategy strategy);
 std::optional<Strategy> StrategyFromName(std::string_view name);

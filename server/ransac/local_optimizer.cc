@@ -16,6 +16,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 // A stated gravity sigma of zero is still a measurement: 0.01 degrees keeps the equations regular
 // and turns the optimization into one of 4 degrees of freedom.
 constexpr double kMinGravitySigmaRad = 1.7e-4;
+// So many features of a kind place a pose far within the threshold; more only cost time. Refinement
+// takes all. The scoring arrays are in random order: the first ones are a random sample.
+constexpr std::size_t kMaxFeaturesOfKind = 128;
 // The threshold is taken as three sigmas of a keypoint.
 constexpr double kSigmasOfThreshold = 3.0;
 
@@ -36,38 +39,33 @@ double TukeyWeight(double error2, double threshold2) {
   return inside > 0 ? inside * inside : 0.0;
 }
 
-// Cheap looks before the derivatives: most features are outliers.
-bool IsPointNear(const PoseMatrix& pose, const PointCorrespondence& point, double threshold2) {
-  const Eigen::Vector3d q = pose.rotation * point.position_in_map + pose.translation;
-  const Eigen::Vector2d error_times_depth = q.head<2>() - q.z() * point.normalized;
-  return q.z() > 0 && error_times_depth.squaredNorm() < threshold2 * q.z() * q.z();
-}
-
-bool IsLineNear(const PoseMatrix& pose, const LineCorrespondence& line, double threshold2) {
-  const Eigen::Vector3d start = pose.rotation * line.segment_in_map.start + pose.translation;
-  const Eigen::Vector3d along =
-      pose.rotation * (line.segment_in_map.end - line.segment_in_map.start);
-  const Eigen::Vector3d moment = start.cross(along);
-  const double e0 = moment.head<2>().dot(line.normalized.start) + moment.z();
-  const double e1 = moment.head<2>().dot(line.normalized.end) + moment.z();
-  return std::max(e0 * e0, e1 * e1) < threshold2 * moment.head<2>().squaredNorm();
-}
-
-void AddFeatures(const PoseProblem& problem, double threshold, const PoseMatrix& pose,
-                 NormalEquations* equations) {
-  const double threshold2 = threshold * threshold;
-  const double min_length = kMinProjectedLinePx / problem.focal_length_px;
+// What lies near is found in single precision, all features at a time; most are outliers.
+void AddPoints(const PreparedProblem& prepared, const PoseMatrix& pose, const ScoringOptions& near,
+               std::vector<std::uint32_t>* places, NormalEquations* equations) {
+  const double threshold2 = static_cast<double>(near.threshold) * near.threshold;
+  const std::size_t count =
+      std::min(kMaxFeaturesOfKind,
+               FindScoringPoints(prepared.point_arrays, ToScoringPose(pose), near, places));
   Eigen::Vector2d error;
   Jacobian26 jacobian;
-  for (const PointCorrespondence& point : problem.points) {
-    if (!IsPointNear(pose, point, threshold2)) continue;
-    if (!PointReprojection(pose, point, &error, &jacobian)) continue;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t index = prepared.point_places.feature_at[(*places)[i]];
+    if (!PointReprojection(pose, prepared.centred.points[index], &error, &jacobian)) continue;
     equations->Add(error, jacobian, TukeyWeight(error.squaredNorm(), threshold2));
   }
-  for (const LineCorrespondence& line : problem.lines) {
-    if (!IsLineNear(pose, line, threshold2)) continue;
-    if (!IsLineInlier(pose, line, threshold, min_length)) continue;
-    LineReprojection(pose, line, &error, &jacobian);
+}
+
+void AddLines(const PreparedProblem& prepared, const PoseMatrix& pose, const ScoringOptions& near,
+              std::vector<std::uint32_t>* places, NormalEquations* equations) {
+  const double threshold2 = static_cast<double>(near.threshold) * near.threshold;
+  const std::size_t count =
+      std::min(kMaxFeaturesOfKind,
+               FindScoringLines(prepared.line_arrays, ToScoringPose(pose), near, places));
+  Eigen::Vector2d error;
+  Jacobian26 jacobian;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t index = prepared.line_places.feature_at[(*places)[i]];
+    if (!LineReprojection(pose, prepared.centred.lines[index], &error, &jacobian)) continue;
     equations->Add(error, jacobian, TukeyWeight(0.5 * error.squaredNorm(), threshold2));
   }
 }
@@ -96,14 +94,19 @@ Eigen::Matrix3d Exp(const Eigen::Vector3d& w) {
 
 }  // namespace
 
-bool OptimizationStep(const PoseProblem& centred, double threshold, bool use_gravity,
-                      PoseMatrix* camera_from_centred) {
+LocalOptimizer::LocalOptimizer(const PreparedProblem& prepared, bool use_gravity)
+    : prepared_(prepared), use_gravity_(use_gravity && prepared.centred.has_gravity) {}
+
+bool LocalOptimizer::Step(double threshold, PoseMatrix* camera_from_centred) {
+  const ScoringOptions near = {.threshold = static_cast<float>(threshold),
+                               .min_line_length = static_cast<float>(
+                                   kMinProjectedLinePx / prepared_.centred.focal_length_px)};
   NormalEquations equations;
-  AddFeatures(centred, threshold, *camera_from_centred, &equations);
-  const bool measured = use_gravity && centred.has_gravity;
-  if (equations.features < (measured ? 2 : 3)) return false;
-  if (measured) {
-    AddGravity(centred, threshold / kSigmasOfThreshold, *camera_from_centred, &equations);
+  AddPoints(prepared_, *camera_from_centred, near, &places_, &equations);
+  AddLines(prepared_, *camera_from_centred, near, &places_, &equations);
+  if (equations.features < (use_gravity_ ? 2 : 3)) return false;
+  if (use_gravity_) {
+    AddGravity(prepared_.centred, threshold / kSigmasOfThreshold, *camera_from_centred, &equations);
   }
   // Relative damping: harmless where the equations are regular.
   equations.matrix.diagonal() *= 1.0 + 1e-6;

@@ -1,5 +1,7 @@
 #include "server/ransac/prepared_problem.h"
 
+#include <algorithm>
+#include <array>
 #include <numeric>
 #include <utility>
 
@@ -42,22 +44,38 @@ PreparedLine PrepareLine(const LineCorrespondence& line,
   return prepared;
 }
 
-void FillArrays(PreparedProblem* prepared, Random& random) {
-  std::vector<std::uint32_t> order(prepared->centred.points.size());
+std::vector<std::uint32_t> RandomOrder(std::size_t count, Random& random) {
+  std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
   for (std::uint32_t i = static_cast<std::uint32_t>(order.size()); i > 1; --i) {
     std::swap(order[i - 1], order[random.Below(i)]);
   }
-  prepared->place_in_arrays.resize(order.size());
-  for (const std::uint32_t i : order) {
-    prepared->place_in_arrays[i] = static_cast<std::uint32_t>(prepared->point_arrays.count);
+  return order;
+}
+
+Places MakePlaces(std::vector<std::uint32_t> feature_at) {
+  Places places;
+  places.of_feature.resize(feature_at.size());
+  for (std::uint32_t place = 0; place < feature_at.size(); ++place) {
+    places.of_feature[feature_at[place]] = place;
+  }
+  places.feature_at = std::move(feature_at);
+  return places;
+}
+
+void FillPointArrays(PreparedProblem* prepared) {
+  for (const std::uint32_t i : prepared->point_places.feature_at) {
     const PointCorrespondence& point = prepared->centred.points[i];
     const Eigen::Vector3f p = point.position_in_map.cast<float>();
     const Eigen::Vector2f seen = point.normalized.cast<float>();
     prepared->point_arrays.Add(p.x(), p.y(), p.z(), seen.x(), seen.y());
   }
   prepared->point_arrays.Pad();
-  for (const LineCorrespondence& line : prepared->centred.lines) {
+}
+
+void FillLineArrays(PreparedProblem* prepared) {
+  for (const std::uint32_t i : prepared->line_places.feature_at) {
+    const LineCorrespondence& line = prepared->centred.lines[i];
     const Eigen::Vector3f start = line.segment_in_map.start.cast<float>();
     const Eigen::Vector3f along =
         (line.segment_in_map.end - line.segment_in_map.start).cast<float>();
@@ -66,6 +84,44 @@ void FillArrays(PreparedProblem* prepared, Random& random) {
     prepared->line_arrays.Add(start.data(), along.data(), seen.data());
   }
   prepared->line_arrays.Pad();
+}
+
+// The surest first, to 1/256 of a ratio: a counting sort, which keeps the random order of equals.
+template <typename Correspondence>
+std::vector<std::uint32_t> SortedByQuality(const std::vector<Correspondence>& features,
+                                           const std::vector<std::uint32_t>& indices) {
+  constexpr int kBuckets = 256;
+  const auto bucket_of = [&](std::uint32_t index) {
+    return static_cast<std::size_t>(std::clamp(features[index].ratio, 0.0, 1.0) * (kBuckets - 1));
+  };
+  std::array<std::uint32_t, kBuckets + 1> begins{};
+  for (const std::uint32_t index : indices) ++begins[bucket_of(index) + 1];
+  std::partial_sum(begins.begin(), begins.end(), begins.begin());
+  std::vector<std::uint32_t> sorted(indices.size());
+  for (const std::uint32_t index : indices) sorted[begins[bucket_of(index)]++] = index;
+  return sorted;
+}
+
+template <typename Correspondence>
+bool RatiosDiffer(const std::vector<Correspondence>& features) {
+  return std::any_of(features.begin(), features.end(), [&](const Correspondence& feature) {
+    return feature.ratio != features.front().ratio;
+  });
+}
+
+void OrderForDrawing(PreparedProblem* prepared, Random& random) {
+  const PoseProblem& problem = prepared->centred;
+  prepared->has_quality = RatiosDiffer(problem.points) || RatiosDiffer(problem.lines);
+  std::vector<std::uint32_t> usable;
+  std::vector<std::uint32_t> vertical;
+  for (const std::uint32_t i : RandomOrder(problem.lines.size(), random)) {
+    if (prepared->lines[i].usable) usable.push_back(i);
+    if (prepared->lines[i].vertical) vertical.push_back(i);
+  }
+  prepared->drawn_points =
+      SortedByQuality(problem.points, RandomOrder(problem.points.size(), random));
+  prepared->usable_lines = SortedByQuality(problem.lines, usable);
+  prepared->vertical_lines = SortedByQuality(problem.lines, vertical);
 }
 
 }  // namespace
@@ -83,12 +139,13 @@ PreparedProblem PrepareProblem(const PoseProblem& problem, Random& random) {
     prepared.points.push_back({ray, aligned_from_camera * ray, point.position_in_map});
   }
   for (const LineCorrespondence& line : prepared.centred.lines) {
-    const std::int32_t index = static_cast<std::int32_t>(prepared.lines.size());
     prepared.lines.push_back(PrepareLine(line, aligned_from_camera));
-    if (prepared.lines.back().usable) prepared.usable_lines.push_back(index);
-    if (prepared.lines.back().vertical) prepared.vertical_lines.push_back(index);
   }
-  FillArrays(&prepared, random);
+  prepared.point_places = MakePlaces(RandomOrder(prepared.points.size(), random));
+  prepared.line_places = MakePlaces(RandomOrder(prepared.lines.size(), random));
+  FillPointArrays(&prepared);
+  FillLineArrays(&prepared);
+  OrderForDrawing(&prepared, random);
   return prepared;
 }
 

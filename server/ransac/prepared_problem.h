@@ -3,6 +3,7 @@
 // gravity-aligned frame once, scoring arrays in random order.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,6 +31,12 @@ struct PreparedLine {
   bool vertical = false;                    // tilt below 10 degrees, and a plane is seen
 };
 
+// Where features stand in the scoring arrays.
+struct Places {
+  std::vector<std::uint32_t> of_feature;  // feature -> place
+  std::vector<std::uint32_t> feature_at;  // place -> feature
+};
+
 struct PreparedProblem {
   PoseProblem centred;       // positions relative to `centroid`
   Eigen::Vector3d centroid;  // in the map
@@ -37,14 +44,19 @@ struct PreparedProblem {
   Eigen::Matrix3d camera_from_aligned_matrix;
   std::vector<PreparedPoint> points;
   std::vector<PreparedLine> lines;
-  std::vector<std::int32_t> usable_lines;      // indices into `lines`
-  std::vector<std::int32_t> vertical_lines;    // indices into `lines`
-  PointArrays point_arrays;                    // in random order, padded
-  std::vector<std::uint32_t> place_in_arrays;  // of each point
-  LineArrays line_arrays;                      // padded
+  // Indices for drawing, the surest match first (smallest ratio), equals in random order.
+  std::vector<std::uint32_t> drawn_points;    // into `points`
+  std::vector<std::uint32_t> usable_lines;    // into `lines`
+  std::vector<std::uint32_t> vertical_lines;  // into `lines`
+  bool has_quality = false;                   // some ratios differ: the orders mean something
+  // For scoring, in random order and padded, so that any block of them is a random sample.
+  PointArrays point_arrays;
+  LineArrays line_arrays;
+  Places point_places;
+  Places line_places;
 };
 
-// `random` orders the scoring arrays, so that any block of them is a random sample.
+// `random` orders the scoring arrays, and equals among the matches to draw.
 PreparedProblem PrepareProblem(const PoseProblem& problem, Random& random);
 
 // The same pose before and after the map is moved to its centroid.

@@ -26,56 +26,64 @@ std::uint32_t Skip(std::uint32_t draw, std::uint32_t taken) {
 Sampler::Sampler(const PreparedProblem& prepared, Strategy strategy)
     : prepared_(prepared),
       strategy_(strategy),
-      draw_vertical_(prepared.vertical_lines.size() >= 2 &&
-                     prepared.vertical_lines.size() > prepared.usable_lines.size() &&
-                     (strategy == Strategy::k1P1L || strategy == Strategy::kMixed)) {}
+      draw_vertical_(DrawsVerticalLines(strategy, prepared.usable_lines.size(),
+                                        prepared.vertical_lines.size())),
+      pool_(static_cast<std::uint32_t>(prepared.points.size() + prepared.lines.size()),
+            prepared.has_quality) {}
 
-std::uint32_t Sampler::LineEntities() const {
-  return static_cast<std::uint32_t>(prepared_.usable_lines.size() +
-                                    (draw_vertical_ ? prepared_.vertical_lines.size() : 0));
+Sampler::Pools Sampler::CurrentPools() const {
+  const auto size_of = [&](const std::vector<std::uint32_t>& order) {
+    return pool_.SizeOf(static_cast<std::uint32_t>(order.size()));
+  };
+  return {.points = size_of(prepared_.drawn_points),
+          .usable_lines = size_of(prepared_.usable_lines),
+          .vertical_lines = draw_vertical_ ? size_of(prepared_.vertical_lines) : 0};
 }
 
 bool Sampler::CanDraw() const {
-  const std::size_t points = prepared_.points.size();
+  const Pools pools = CurrentPools();
   switch (strategy_) {
     case Strategy::k1P1L:
-      return points >= 1 && LineEntities() >= 1;
+      return pools.points >= 1 && pools.lines() >= 1;
     case Strategy::k2P:
-      return points >= 2;
+      return pools.points >= 2;
     case Strategy::kMixed:
-      return points >= 1 && points + LineEntities() >= 2;
+      return pools.points >= 1 && pools.points + pools.lines() >= 2;
     case Strategy::kP3P:
-      return points >= 3;
+      return pools.points >= 3;
   }
   return false;
 }
 
 Hypotheses Sampler::Draw(Random& random) {
   Hypotheses out;
-  const std::uint32_t points = static_cast<std::uint32_t>(prepared_.points.size());
-  const std::uint32_t first = random.Below(points);
+  const Pools pools = CurrentPools();
+  const std::uint32_t first = random.Below(pools.points);
   bool passed = false;
   switch (strategy_) {
     case Strategy::k1P1L:
-      passed = DrawPointAndLineEntity(first, random.Below(LineEntities()), random, &out);
+      passed = DrawPointAndLineEntity(pools, first, random.Below(pools.lines()), random, &out);
       break;
     case Strategy::k2P:
-      passed = DrawTwoPoints(first, Skip(random.Below(points - 1), first), &out);
+      passed = DrawTwoPoints(first, Skip(random.Below(pools.points - 1), first), &out);
       break;
-    case Strategy::kMixed: {
-      const std::uint32_t second = random.Below(points - 1 + LineEntities());
-      passed = second < points - 1
-                   ? DrawTwoPoints(first, Skip(second, first), &out)
-                   : DrawPointAndLineEntity(first, second - (points - 1), random, &out);
+    case Strategy::kMixed:
+      passed = DrawMixed(pools, first, random, &out);
       break;
-    }
     case Strategy::kP3P:
-      passed = DrawThreePoints(first, random, &out);
+      passed = DrawThreePoints(pools, first, random, &out);
       break;
   }
+  pool_.Advance();
   CountDraw(passed);
-  if (out.sampled_points == 0) out.points[out.sampled_points++] = first;
   return out;
+}
+
+bool Sampler::DrawMixed(const Pools& pools, std::uint32_t first, Random& random, Hypotheses* out) {
+  const std::uint32_t others = pools.points - 1;
+  const std::uint32_t second = random.Below(others + pools.lines());
+  return second < others ? DrawTwoPoints(first, Skip(second, first), out)
+                         : DrawPointAndLineEntity(pools, first, second - others, random, out);
 }
 
 void Sampler::CountDraw(bool passed) {
@@ -88,33 +96,37 @@ void Sampler::CountDraw(bool passed) {
 }
 
 bool Sampler::DrawTwoPoints(std::uint32_t first, std::uint32_t second, Hypotheses* out) {
-  const PreparedPoint& a = prepared_.points[first];
-  const PreparedPoint& b = prepared_.points[second];
+  out->sampled_points = 2;
+  out->points[0] = prepared_.drawn_points[first];
+  out->points[1] = prepared_.drawn_points[second];
+  const PreparedPoint& a = prepared_.points[out->points[0]];
+  const PreparedPoint& b = prepared_.points[out->points[1]];
   const double min_distance = gate_ * kMinImageDistancePx / prepared_.centred.focal_length_px;
   if ((a.ray_in_camera - b.ray_in_camera).squaredNorm() < min_distance * min_distance ||
       Up2pConditioning(a.ray_in_aligned, a.position, b.ray_in_aligned, b.position) <
           gate_ * kMinConditioning) {
     return false;
   }
-  out->sampled_points = 2;
-  out->points[0] = first;
-  out->points[1] = second;
   AlignedPose poses[2];
   AddAligned(poses, SolveUp2p(a.ray_in_aligned, a.position, b.ray_in_aligned, b.position, poses),
              out);
   return true;
 }
 
-bool Sampler::DrawPointAndLineEntity(std::uint32_t point, std::uint32_t entity, Random& random,
-                                     Hypotheses* out) {
-  const std::size_t usable = prepared_.usable_lines.size();
-  if (entity < usable) return DrawPointAndLine(point, prepared_.usable_lines[entity], out);
-  return DrawPointAndVerticals(point, prepared_.vertical_lines[entity - usable], random, out);
+bool Sampler::DrawPointAndLineEntity(const Pools& pools, std::uint32_t point, std::uint32_t entity,
+                                     Random& random, Hypotheses* out) {
+  if (entity < pools.usable_lines) return DrawPointAndLine(point, entity, out);
+  const std::uint32_t line = entity - pools.usable_lines;
+  return DrawPointAndVerticals(point, line, random.Below(pools.vertical_lines), out);
 }
 
-bool Sampler::DrawPointAndLine(std::uint32_t point, std::int32_t line, Hypotheses* out) {
-  const PreparedPoint& p = prepared_.points[point];
-  const PreparedLine& l = prepared_.lines[line];
+bool Sampler::DrawPointAndLine(std::uint32_t point, std::uint32_t line, Hypotheses* out) {
+  out->sampled_points = 1;
+  out->sampled_lines = 1;
+  out->points[0] = prepared_.drawn_points[point];
+  out->lines[0] = prepared_.usable_lines[line];
+  const PreparedPoint& p = prepared_.points[out->points[0]];
+  const PreparedLine& l = prepared_.lines[out->lines[0]];
   // Distance of the image point to the image line, in the plane z = 1: |n . x| / |(nx, ny)|.
   const double distance = gate_ * kMinImageDistancePx / prepared_.centred.focal_length_px *
                           l.plane_normal_in_camera.head<2>().norm();
@@ -130,14 +142,17 @@ bool Sampler::DrawPointAndLine(std::uint32_t point, std::int32_t line, Hypothese
   return true;
 }
 
-bool Sampler::DrawPointAndVerticals(std::uint32_t point, std::int32_t line, Random& random,
+bool Sampler::DrawPointAndVerticals(std::uint32_t point, std::uint32_t line, std::uint32_t other,
                                     Hypotheses* out) {
-  const std::int32_t other = prepared_.vertical_lines[random.Below(
-      static_cast<std::uint32_t>(prepared_.vertical_lines.size()))];
+  out->sampled_points = 1;
+  out->points[0] = prepared_.drawn_points[point];
   if (other == line) return false;
-  const PreparedPoint& p = prepared_.points[point];
-  const PreparedLine& a = prepared_.lines[line];
-  const PreparedLine& b = prepared_.lines[other];
+  out->sampled_lines = 2;
+  out->lines[0] = prepared_.vertical_lines[line];
+  out->lines[1] = prepared_.vertical_lines[other];
+  const PreparedPoint& p = prepared_.points[out->points[0]];
+  const PreparedLine& a = prepared_.lines[out->lines[0]];
+  const PreparedLine& b = prepared_.lines[out->lines[1]];
   if (Up1p2vConditioning(p.ray_in_aligned, p.position, a.plane_normal_in_aligned, a.point,
                          b.plane_normal_in_aligned, b.point) < gate_ * kMinDangerCircle) {
     return false;
@@ -150,19 +165,19 @@ bool Sampler::DrawPointAndVerticals(std::uint32_t point, std::int32_t line, Rand
   return true;
 }
 
-bool Sampler::DrawThreePoints(std::uint32_t first, Random& random, Hypotheses* out) {
-  const std::uint32_t points = static_cast<std::uint32_t>(prepared_.points.size());
-  const std::uint32_t second = Skip(random.Below(points - 1), first);
-  const std::uint32_t third = random.Below(points);
+bool Sampler::DrawThreePoints(const Pools& pools, std::uint32_t first, Random& random,
+                              Hypotheses* out) {
+  const std::uint32_t second = Skip(random.Below(pools.points - 1), first);
+  const std::uint32_t third = random.Below(pools.points);
   if (third == first || third == second) return false;
   Eigen::Vector3d rays[3];
   Eigen::Vector3d positions[3];
   const std::uint32_t sample[3] = {first, second, third};
   out->sampled_points = 3;
   for (int i = 0; i < 3; ++i) {
-    out->points[i] = sample[i];
-    rays[i] = prepared_.points[sample[i]].ray_in_camera;
-    positions[i] = prepared_.points[sample[i]].position;
+    out->points[i] = prepared_.drawn_points[sample[i]];
+    rays[i] = prepared_.points[out->points[i]].ray_in_camera;
+    positions[i] = prepared_.points[out->points[i]].position;
   }
   if (P3pConditioning(rays, positions) < gate_ * kMinP3pConditioning) return false;
   Rigid3 poses[kMaxPosesOfSample];

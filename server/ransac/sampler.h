@@ -1,9 +1,11 @@
 // Draws minimal samples, gates the degenerate ones before solving, solves the rest.
 //
 // 2P: two points. 1P1L: a point and a usable line. mixed: a point, then one of all the remaining
-// points and usable lines. Where vertical lines outnumber usable ones they join the draw of 1P1L's
-// and mixed's second entity; a vertical line asks for a second one (1P2V). P3P: three points, no
-// gravity.
+// points and usable lines. Where DrawsVerticalLines (mapstore/model/strategy.h) says so, vertical
+// lines join the draw of 1P1L's and mixed's second entity; a vertical line asks for a second one
+// (1P2V). P3P: three points, no gravity.
+//
+// Where matches carry ratios, draws begin among the surest (draw_pool.h).
 //
 // Gates (design.md section 5): conditioning w of at least sin 10 degrees; two points at least 10 px
 // apart in the image; a point at least 10 px off the image line. When fewer than half of the draws
@@ -14,6 +16,7 @@
 
 #include "mapstore/base/random.h"
 #include "mapstore/model/strategy.h"
+#include "server/ransac/draw_pool.h"
 #include "server/ransac/prepared_problem.h"
 #include "server/solvers/aligned.h"
 
@@ -24,7 +27,9 @@ inline constexpr int kMaxPosesOfSample = 4;
 struct Hypotheses {
   int count = 0;
   int sampled_points = 0;
+  int sampled_lines = 0;
   std::uint32_t points[3] = {0, 0, 0};  // of the sample, indices into PreparedProblem::points
+  std::uint32_t lines[2] = {0, 0};      // and ::lines
   PoseMatrix camera_from_centred[kMaxPosesOfSample];
 };
 
@@ -41,15 +46,24 @@ class Sampler {
   bool draws_vertical_lines() const { return draw_vertical_; }
 
  private:
+  // What may be drawn now, of each kind: the pools are the first so many of the prepared orders.
+  struct Pools {
+    std::uint32_t points = 0;
+    std::uint32_t usable_lines = 0;
+    std::uint32_t vertical_lines = 0;  // 0 where they do not take part
+    std::uint32_t lines() const { return usable_lines + vertical_lines; }
+  };
+
+  Pools CurrentPools() const;
+  bool DrawMixed(const Pools& pools, std::uint32_t first, Random& random, Hypotheses* out);
   bool DrawTwoPoints(std::uint32_t first, std::uint32_t second, Hypotheses* out);
-  bool DrawPointAndLine(std::uint32_t point, std::int32_t line, Hypotheses* out);
-  bool DrawPointAndVerticals(std::uint32_t point, std::int32_t line, Random& random,
+  // `entity` counts usable lines, then vertical ones.
+  bool DrawPointAndLineEntity(const Pools& pools, std::uint32_t point, std::uint32_t entity,
+                              Random& random, Hypotheses* out);
+  bool DrawPointAndLine(std::uint32_t point, std::uint32_t line, Hypotheses* out);
+  bool DrawPointAndVerticals(std::uint32_t point, std::uint32_t line, std::uint32_t other,
                              Hypotheses* out);
-  bool DrawThreePoints(std::uint32_t first, Random& random, Hypotheses* out);
-  // `entity` counts usable lines, then (if they take part) vertical ones.
-  bool DrawPointAndLineEntity(std::uint32_t point, std::uint32_t entity, Random& random,
-                              Hypotheses* out);
-  std::uint32_t LineEntities() const;
+  bool DrawThreePoints(const Pools& pools, std::uint32_t first, Random& random, Hypotheses* out);
   void AddAligned(const AlignedPose* poses, int count, Hypotheses* out) const;
   // Counts a draw, and halves the gates when too few pass.
   void CountDraw(bool passed);
@@ -57,6 +71,7 @@ class Sampler {
   const PreparedProblem& prepared_;
   const Strategy strategy_;
   const bool draw_vertical_;
+  DrawPool pool_;
   double gate_ = 1.0;  // factor on all gates
   int window_draws_ = 0;
   int window_passed_ = 0;

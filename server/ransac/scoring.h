@@ -14,6 +14,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace maploc {
@@ -67,7 +68,16 @@ struct Support {
 Support ScorePoints(const PointArrays& points, std::size_t begin, std::size_t end,
                     const ScoringPose& pose, const ScoringOptions& options);
 
-// Scores all lines. Thread-safe.
-Support ScoreLines(const LineArrays& lines, const ScoringPose& pose, const ScoringOptions& options);
+// Scores the lines [begin, end), as ScorePoints does points.
+Support ScoreLines(const LineArrays& lines, std::size_t begin, std::size_t end,
+                   const ScoringPose& pose, const ScoringOptions& options);
+
+// The places in the arrays of all features that score (whose value above is positive), ascending.
+// `places` grows to the padded size and is written up to the returned count: no allocation when
+// it is reused. Thread-safe.
+std::size_t FindScoringPoints(const PointArrays& points, const ScoringPose& pose,
+                              const ScoringOptions& options, std::vector<std::uint32_t>* places);
+std::size_t FindScoringLines(const LineArrays& lines, const ScoringPose& pose,
+                             const ScoringOptions& options, std::vector<std::uint32_t>* places);
 
 }  // namespace maploc

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "server/ransac/local_optimizer.h"
+#include "server/ransac/pretest.h"
 #include "server/ransac/stopping.h"
 
 namespace maploc {
@@ -18,8 +19,6 @@ constexpr int kMaxRedraws = 10;
 constexpr int kPollInterval = 16;  // iterations between two looks at the clock
 // Thresholds, in units of the inlier threshold, of the steps of local optimization.
 constexpr double kLocalThresholds[] = {4.0, 2.0, 1.0, 1.0};
-// A pose as good as the best so far has an inlier in the pre-test's block with 1 - exp(-3) = 95%.
-constexpr double kBlockInliers = 3.0;
 
 // Runners-up are optimized while the features looked at stay below so many an iteration.
 constexpr double kRunnerUpFeatures = 3.0;
@@ -35,12 +34,12 @@ class Search {
         strategy_(strategy),
         random_(random),
         sampler_(prepared, strategy),
-        threshold_(options.max_reprojection_error_px / prepared.centred.focal_length_px) {
-    scoring_.threshold = static_cast<float>(threshold_);
-    scoring_.min_line_length =
-        static_cast<float>(kMinProjectedLinePx / prepared.centred.focal_length_px);
-    block_ = prepared.point_arrays.x.size();
-  }
+        threshold_(options.max_reprojection_error_px / prepared.centred.focal_length_px),
+        scoring_{.threshold = static_cast<float>(threshold_),
+                 .min_line_length =
+                     static_cast<float>(kMinProjectedLinePx / prepared.centred.focal_length_px)},
+        pretest_(prepared, scoring_),
+        optimizer_(prepared, strategy != Strategy::kP3P) {}
 
   SearchResult Run() {
     if (!sampler_.CanDraw()) return result_;
@@ -82,13 +81,12 @@ class Search {
 
   bool Consider(const Hypotheses& sample, const PoseMatrix& pose) {
     const ScoringPose scoring_pose = ToScoringPose(pose);
-    if (!PassesPretest(sample, scoring_pose)) return false;
+    if (!pretest_.Passes(sample, scoring_pose, random_)) return false;
     const Support support = Score(scoring_pose);
     if (!IsWorthOptimizing(support)) return false;
-    const bool is_best = support.score > best_sampled_score_;
-    if (is_best) {
+    if (support.score > best_sampled_score_) {
       best_sampled_score_ = support.score;
-      UpdateBlock(support);
+      pretest_.Update(support.score);
     }
     const bool kept = Keep(pose, support);
     const bool improved = OptimizeLocally(pose);  // also where the sample itself was not kept
@@ -107,43 +105,10 @@ class Search {
     return true;
   }
 
-  // A fresh random block a hypothesis: a fixed one would judge all by the same few points. The
-  // sample's own points agree anyway and do not count.
-  bool PassesPretest(const Hypotheses& sample, const ScoringPose& pose) {
-    const std::size_t size = prepared_.point_arrays.x.size();
-    if (2 * block_ > size) return true;
-    const std::uint32_t starts = static_cast<std::uint32_t>((size - block_) / kScoringPad + 1);
-    const std::size_t begin = kScoringPad * random_.Below(starts);
-    int own = 0;
-    for (int i = 0; i < sample.sampled_points; ++i) {
-      const std::size_t place = prepared_.place_in_arrays[sample.points[i]];
-      own += place >= begin && place < begin + block_ ? 1 : 0;
-    }
-    return ScorePoints(prepared_.point_arrays, begin, begin + block_, pose, scoring_).inliers > own;
-  }
-
-  void UpdateBlock(const Support& sampled) {
-    const double ratio = std::max(
-        PointSupport(sampled) / std::max<double>(1.0, static_cast<double>(prepared_.points.size())),
-        1e-9);
-    const double needed = kBlockInliers / ratio / static_cast<double>(kScoringPad);
-    const std::size_t size = prepared_.point_arrays.x.size();
-    block_ = needed < static_cast<double>(size)
-                 ? kScoringPad * static_cast<std::size_t>(std::ceil(needed))
-                 : size;
-  }
-
-  // Lines are not in the block: only points count for its size.
-  double PointSupport(const Support& sampled) const {
-    return static_cast<double>(sampled.inliers - last_line_inliers_);
-  }
-
-  Support Score(const ScoringPose& pose) {
-    const Support lines = ScoreLines(prepared_.line_arrays, pose, scoring_);
-    last_line_inliers_ = lines.inliers;
+  Support Score(const ScoringPose& pose) const {
     Support support =
         ScorePoints(prepared_.point_arrays, 0, prepared_.point_arrays.x.size(), pose, scoring_);
-    support += lines;
+    support += ScoreLines(prepared_.line_arrays, 0, prepared_.line_arrays.x.size(), pose, scoring_);
     return support;
   }
 
@@ -156,15 +121,10 @@ class Search {
 
   bool OptimizeLocally(PoseMatrix pose) {
     bool improved = false;
-    const int line_inliers = last_line_inliers_;
     for (const double factor : kLocalThresholds) {
-      if (!OptimizationStep(prepared_.centred, factor * threshold_, strategy_ != Strategy::kP3P,
-                            &pose)) {
-        break;
-      }
+      if (!optimizer_.Step(factor * threshold_, &pose)) break;
       improved |= Keep(pose, Score(ToScoringPose(pose)));
     }
-    last_line_inliers_ = line_inliers;
     return improved;
   }
 
@@ -191,9 +151,9 @@ class Search {
     return counts;
   }
 
-  int CountLineInliers(const std::vector<std::int32_t>& lines) const {
+  int CountLineInliers(const std::vector<std::uint32_t>& lines) const {
     int inliers = 0;
-    for (const std::int32_t index : lines) {
+    for (const std::uint32_t index : lines) {
       inliers += IsLineInlier(result_.camera_from_centred, prepared_.centred.lines[index],
                               threshold_, scoring_.min_line_length)
                      ? 1
@@ -208,11 +168,11 @@ class Search {
   Random& random_;
   Sampler sampler_;
   const double threshold_;  // plane z = 1
-  ScoringOptions scoring_;
-  std::size_t block_;  // points of the pre-test; all of them: no pre-test
+  const ScoringOptions scoring_;
+  Pretest pretest_;
+  LocalOptimizer optimizer_;
   double best_sampled_score_ = 0.0;
   double runner_up_features_ = 0.0;  // that may still be looked at
-  int last_line_inliers_ = 0;
   SearchResult result_;
 };
 

@@ -38,8 +38,9 @@ BENCHMARK(BM_ScorePoints)->Arg(64)->Arg(1000)->Arg(3000);
 void BM_ScoreLines(benchmark::State& state) {
   ScoringPose pose;
   const PreparedProblem prepared = Make(0, static_cast<int>(state.range(0)), &pose);
+  const std::size_t size = prepared.line_arrays.x.size();
   for (auto _ : state) {
-    benchmark::DoNotOptimize(ScoreLines(prepared.line_arrays, pose, kOptions));
+    benchmark::DoNotOptimize(ScoreLines(prepared.line_arrays, 0, size, pose, kOptions));
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }

@@ -54,7 +54,8 @@ TEST(Scoring, AgreesWithThePlainDefinition) {
     const ScoringPose scoring = ToScoringPose(pose);
     const Support by_points =
         ScorePoints(prepared.point_arrays, 0, prepared.point_arrays.x.size(), scoring, kOptions);
-    const Support by_lines = ScoreLines(prepared.line_arrays, scoring, kOptions);
+    const Support by_lines =
+        ScoreLines(prepared.line_arrays, 0, prepared.line_arrays.x.size(), scoring, kOptions);
     EXPECT_NEAR(by_points.score, points, 1e-3 * (1 + points));
     EXPECT_NEAR(by_lines.score, lines, 5e-3 * (1 + lines));
   }
@@ -72,7 +73,7 @@ TEST(Scoring, PaddingNeverScores) {
   const Support by_points = ScorePoints(points, 0, points.x.size(), identity, kOptions);
   EXPECT_EQ(by_points.inliers, 1);
   EXPECT_FLOAT_EQ(static_cast<float>(by_points.score), 1.0f);
-  EXPECT_EQ(ScoreLines(lines, identity, kOptions).inliers, 1);
+  EXPECT_EQ(ScoreLines(lines, 0, lines.x.size(), identity, kOptions).inliers, 1);
   EXPECT_EQ(points.count, 1u);
 }
 
@@ -88,7 +89,7 @@ TEST(Scoring, BehindTheCameraAndDotsScoreNothing) {
   lines.Pad();
   const ScoringPose identity = ToScoringPose(PoseMatrix());
   EXPECT_EQ(ScorePoints(points, 0, points.x.size(), identity, kOptions).inliers, 0);
-  EXPECT_EQ(ScoreLines(lines, identity, kOptions).inliers, 0);
+  EXPECT_EQ(ScoreLines(lines, 0, lines.x.size(), identity, kOptions).inliers, 0);
 }
 
 TEST(Scoring, BlocksAddUpToTheWhole) {
