@@ -11,9 +11,6 @@
 namespace maploc {
 namespace {
 
-// Share of all-inlier samples that lead to the pose: gates, noise and gravity spoil the others,
-// local optimization repairs some (measured 0.4 to 0.8; README).
-constexpr double kYield = 0.8;
 // A rejected draw is drawn again this often before the iteration counts as spent.
 constexpr int kMaxRedraws = 10;
 constexpr int kPollInterval = 16;  // iterations between two looks at the clock
@@ -131,7 +128,7 @@ class Search {
   int Required() const {
     const InlierCounts counts = CountInliers();
     return std::max(options_.min_iterations,
-                    RequiredIterations(DrawProbability(strategy_, counts), kYield,
+                    RequiredIterations(DrawProbability(strategy_, counts), Yield(strategy_),
                                        options_.success_confidence, options_.max_iterations));
   }
 

@@ -33,6 +33,8 @@ double DrawProbability(Strategy strategy, const InlierCounts& counts) {
   return 0.0;
 }
 
+double Yield(Strategy strategy) { return strategy == Strategy::kP3P ? 1.0 : 1.2; }
+
 int RequiredIterations(double draw_probability, double yield, double confidence,
                        int max_iterations) {
   const double success = std::clamp(draw_probability * yield, 0.0, 1.0);

@@ -101,5 +101,15 @@ TEST_F(SegmentTest, NamesTheFieldThatIsWrong) {
   ExpectRefused("lines.segments_in_map[0]");
 }
 
+TEST(StrategyTest, VerticalLinesAreDrawnWhereTheyHelp) {
+  EXPECT_TRUE(DrawsVerticalLines(Strategy::kMixed, 30, 31));
+  EXPECT_FALSE(DrawsVerticalLines(Strategy::kMixed, 30, 30));
+  EXPECT_FALSE(DrawsVerticalLines(Strategy::kMixed, 0, 1)) << "a vertical line asks for another";
+  EXPECT_TRUE(DrawsVerticalLines(Strategy::k1P1L, 9, 50));
+  EXPECT_FALSE(DrawsVerticalLines(Strategy::k1P1L, 10, 50)) << "usable ones are enough";
+  EXPECT_FALSE(DrawsVerticalLines(Strategy::k2P, 0, 50));
+  EXPECT_FALSE(DrawsVerticalLines(Strategy::kP3P, 0, 50));
+}
+
 }  // namespace
 }  // namespace maploc

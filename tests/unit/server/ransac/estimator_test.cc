@@ -1,5 +1,6 @@
 #include "server/ransac/estimator.h"
 
+#include <future>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -67,6 +68,24 @@ TEST(Estimator, OneSeedOneAnswer) {
   EXPECT_EQ(a.point_inliers, b.point_inliers);
   EXPECT_TRUE(a.camera_from_map.rotation.coeffs() == b.camera_from_map.rotation.coeffs());
   EXPECT_TRUE(a.camera_from_map.translation == b.camera_from_map.translation);
+}
+
+TEST(Estimator, OneSeedOneAnswerOnAnyNumberOfThreads) {
+  Random random = TestRandom();
+  const SyntheticProblem made = MakeSyntheticProblem(HalfWrong(), random);
+  const Consensus alone = EstimateConsensus(made.problem, {});
+  std::vector<std::future<Consensus>> others;
+  for (int i = 0; i < 8; ++i) {
+    others.push_back(
+        std::async(std::launch::async, [&] { return EstimateConsensus(made.problem, {}); }));
+  }
+  for (auto& other : others) {
+    const Consensus found = other.get();
+    EXPECT_EQ(found.iterations, alone.iterations);
+    EXPECT_EQ(found.score, alone.score);
+    EXPECT_EQ(found.line_inliers, alone.line_inliers);
+    EXPECT_TRUE(found.camera_from_map.translation == alone.camera_from_map.translation);
+  }
 }
 
 TEST(Estimator, AMapFarFromItsOriginIsNoOther) {

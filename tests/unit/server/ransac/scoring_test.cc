@@ -109,5 +109,34 @@ TEST(Scoring, BlocksAddUpToTheWhole) {
   EXPECT_NEAR(parts.score, whole.score, 1e-3);
 }
 
+// The same features score, whichever kernel is asked; only rounding at the threshold may differ.
+TEST(Scoring, FindsThePlacesOfWhatScores) {
+  Random random = TestRandom();
+  std::vector<std::uint32_t> places;
+  for (const int features : {1, 15, 16, 17, 200}) {
+    const SyntheticProblem made = MakeScene(random, features);
+    const PreparedProblem prepared = PrepareProblem(made.problem, random);
+    PoseMatrix pose(made.camera_from_map);
+    pose.translation += pose.rotation * prepared.centroid;
+    const ScoringPose scoring = ToScoringPose(pose);
+    const Support points =
+        ScorePoints(prepared.point_arrays, 0, prepared.point_arrays.x.size(), scoring, kOptions);
+    ASSERT_EQ(FindScoringPoints(prepared.point_arrays, scoring, kOptions, &places),
+              static_cast<std::size_t>(points.inliers));
+    for (int i = 0; i < points.inliers; ++i) {
+      const auto& point = prepared.centred.points[prepared.point_places.feature_at[places[i]]];
+      EXPECT_TRUE(IsPointInlier(pose, point, 1.01 * kThreshold));
+    }
+    const Support lines =
+        ScoreLines(prepared.line_arrays, 0, prepared.line_arrays.x.size(), scoring, kOptions);
+    ASSERT_EQ(FindScoringLines(prepared.line_arrays, scoring, kOptions, &places),
+              static_cast<std::size_t>(lines.inliers));
+    for (int i = 0; i < lines.inliers; ++i) {
+      const auto& line = prepared.centred.lines[prepared.line_places.feature_at[places[i]]];
+      EXPECT_TRUE(IsLineInlier(pose, line, 1.01 * kThreshold, 0.99 * kMinLength));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace maploc::testing
