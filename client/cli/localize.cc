@@ -2,6 +2,8 @@
 #include <iostream>
 #include <memory>
 #include <numbers>
+#include <optional>
+#include <string>
 
 #include "client/api/client.h"
 #include "client/cli/commands.h"
@@ -31,7 +33,9 @@ struct LocalizeFlags {
   std::string draw;
 };
 
-Result<Gravity> ParseGravity(const LocalizeFlags& flags) {
+// Left out, gravity was not measured.
+Result<std::optional<Gravity>> ParseGravity(const LocalizeFlags& flags) {
+  if (flags.gravity.empty()) return std::optional<Gravity>();
   const Eigen::Vector3d direction(flags.gravity[0], flags.gravity[1], flags.gravity[2]);
   if (!direction.allFinite() || direction.norm() < 1e-9) {
     return InvalidArgument("--gravity",
@@ -40,7 +44,8 @@ Result<Gravity> ParseGravity(const LocalizeFlags& flags) {
   if (!(flags.gravity_sigma_deg > 0.0) || flags.gravity_sigma_deg > 90.0) {
     return InvalidArgument("--gravity-sigma-deg", "must be above 0 and at most 90");
   }
-  return Gravity{direction.normalized(), flags.gravity_sigma_deg * std::numbers::pi / 180.0};
+  return std::optional(
+      Gravity{direction.normalized(), flags.gravity_sigma_deg * std::numbers::pi / 180.0});
 }
 
 Result<View> ExtractView(const LocalizeFlags& flags, const MapInfo& map) {
@@ -86,7 +91,18 @@ Json AnswerJson(const Localization& answer) {
           {"vertical_lines", CountsJson(evidence.vertical_lines)},
           {"confidence", evidence.confidence},
           {"gravity_disagreement_rad", evidence.gravity_disagreement_rad},
+          {"gravity_rejected", evidence.gravity_rejected},
           {"server_ms", answer.times.total_ms}};
+}
+
+std::string GravityText(const Localization& answer) {
+  const Evidence& evidence = answer.evidence;
+  if (evidence.gravity_disagreement_rad == 0.0) return "not compared";
+  const bool contradicts =
+      evidence.gravity_rejected || answer.outcome == Outcome::kGravityInconsistent;
+  return FormatNumber(evidence.gravity_disagreement_rad * (180.0 / std::numbers::pi), 2) +
+         " deg from the matches'" + (contradicts ? ": contradicts them" : "") +
+         (evidence.gravity_rejected ? ", and was not used" : "");
 }
 
 void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& out) {
@@ -110,7 +126,8 @@ void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& o
   row("usable lines", evidence.usable_lines);
   row("vertical lines", evidence.vertical_lines);
   table.Print(out);
-  out << "confidence   " << FormatNumber(evidence.confidence, 4) << "\n";
+  out << "confidence   " << FormatNumber(evidence.confidence, 4) << "\n"
+      << "gravity      " << GravityText(answer) << "\n";
 }
 
 Status Run(const CommandContext& context, const LocalizeFlags& flags) {
@@ -144,8 +161,9 @@ void AddLocalizeCommand(CLI::App& app, CommandContext& context) {
       ->add_option("--camera", flags->camera,
                    "its calibration: a line of COLMAP's cameras.txt, or an EuRoC sensor.yaml")
       ->required();
-  command->add_option("--gravity", flags->gravity, "X,Y,Z: down, in the camera's frame")
-      ->required()
+  command
+      ->add_option("--gravity", flags->gravity,
+                   "X,Y,Z: down, in the camera's frame; left out: not measured")
       ->delimiter(',')
       ->expected(3);
   command->add_option("--gravity-sigma-deg", flags->gravity_sigma_deg, "its standard deviation")

@@ -1,5 +1,6 @@
 #include "client/cli/replay_report.h"
 
+#include <numbers>
 #include <ostream>
 
 #include "client/cli/output.h"
@@ -39,6 +40,9 @@ Json EntryJson(const ReplayEntry& entry) {
   json["latency_ms"] = entry.latency_ms;
   json["strategy_source"] = StrategySourceName(answer.strategy_source);
   json["fell_back"] = answer.evidence.fell_back;
+  json["gravity_disagreement_deg"] =
+      answer.evidence.gravity_disagreement_rad * (180.0 / std::numbers::pi);
+  json["gravity_rejected"] = answer.evidence.gravity_rejected;
   json["scene_depth"] = JsonOrNull(entry.scene_depth);
   return json;
 }

@@ -48,8 +48,11 @@ struct Evidence {
   Strategy strategy = Strategy::kMixed;  // that found the pose, or was tried last
   bool fell_back = false;                // `strategy` is not the one that was chosen at first
   std::int32_t iterations = 0;           // evaluated hypotheses, over all strategies tried
-  double gravity_disagreement_rad =
-      0.0;                  // between the measured gravity and the pose's; 0 without a pose
+  // Between the measured gravity and that of the pose as the matches alone give it (a pose that was
+  // pulled by a wrong gravity would hide it); 0 where either is missing.
+  double gravity_disagreement_rad = 0.0;
+  // With kLocalized alone: the pose contradicts the gravity that was sent, and does not use it.
+  bool gravity_rejected = false;
   double confidence = 0.0;  // probability that the pose is right, in [0, 1]
 };
 

@@ -40,6 +40,7 @@ Result<Evidence> EvidenceFromProto(const v1::LocalizeResponse& response) {
   evidence.fell_back = response.fell_back();
   evidence.iterations = response.iteration_count();
   evidence.gravity_disagreement_rad = response.gravity_disagreement_radians();
+  evidence.gravity_rejected = response.gravity_rejected();
   evidence.confidence = response.confidence();
   return evidence;
 }

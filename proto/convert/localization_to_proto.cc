@@ -36,6 +36,7 @@ void EvidenceToProto(const Evidence& evidence, v1::LocalizeResponse* response) {
   response->set_fell_back(evidence.fell_back);
   response->set_iteration_count(evidence.iterations);
   response->set_gravity_disagreement_radians(evidence.gravity_disagreement_rad);
+  response->set_gravity_rejected(evidence.gravity_rejected);
   CountsToProto(evidence.points, response->mutable_points());
   CountsToProto(evidence.usable_lines, response->mutable_usable_lines());
   CountsToProto(evidence.vertical_lines, response->mutable_vertical_lines());

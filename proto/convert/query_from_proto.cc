@@ -26,11 +26,9 @@ Result<View> ViewFromProto(const v1::View& view, const std::string& field) {
   return result;
 }
 
-Result<Gravity> GravityFromProto(const v1::LocalizeRequest& request) {
-  if (!request.has_gravity()) {
-    return InvalidArgument("gravity", "is required: no solver here works without it",
-                           "GRAVITY_REQUIRED");
-  }
+// Unset is absent; whatever is sent must be a direction.
+Result<std::optional<Gravity>> GravityFromProto(const v1::LocalizeRequest& request) {
+  if (!request.has_gravity()) return std::optional<Gravity>();
   const std::string field = "gravity.direction_in_body";
   const v1::Gravity& gravity = request.gravity();
   MAPLOC_ASSIGN_OR_RETURN(const Eigen::Vector3d direction,
@@ -45,7 +43,7 @@ Result<Gravity> GravityFromProto(const v1::LocalizeRequest& request) {
   if (!(sigma_rad > 0 && sigma_rad <= std::numbers::pi / 2)) {
     return InvalidArgument("gravity.sigma_radians", "must be in (0, pi/2] radians", "OUT_OF_RANGE");
   }
-  return Gravity{direction.normalized(), sigma_rad};
+  return std::optional(Gravity{direction.normalized(), sigma_rad});
 }
 
 Result<PosePrior> PriorFromProto(const v1::PosePrior& prior) {

@@ -30,9 +30,7 @@ Verdict JudgePose(const PoseProblem& problem, const RefinedPose& pose, const Cam
   verdict.confidence = PoseConfidence(problem, pose, confidence);
   if (verdict.confidence < options.min_confidence) {
     verdict.outcome = Outcome::kLowConfidence;
-  } else if (problem.has_gravity &&
-             !GravityConsistent(pose.gravity_disagreement_rad, problem.gravity_sigma_rad,
-                                pose.covariance)) {
+  } else if (options.contradicts_gravity) {
     verdict.outcome = Outcome::kGravityInconsistent;
   } else {
     verdict.outcome = Outcome::kLocalized;

@@ -9,6 +9,7 @@
 namespace maploc {
 
 struct JudgeOptions {
+  bool contradicts_gravity = false;  // that was sent and was used to find the pose
   double min_confidence = 0.99;
   double max_reprojection_error_px = 4.0;  // that decided the inliers
   // Hypotheses evaluated for this query so far, over all segments: each had its chance to be right
@@ -21,8 +22,8 @@ struct Verdict {
   double confidence = 0.0;
 };
 
-// LOW_CONFIDENCE below the bar; above it GRAVITY_INCONSISTENT when the pose contradicts the gravity
-// that was sent by more than both their uncertainties explain; else LOCALIZED.
+// LOW_CONFIDENCE below the bar; above it GRAVITY_INCONSISTENT when the matches contradict the
+// gravity that was sent (gravity_check.h); else LOCALIZED.
 Verdict JudgePose(const PoseProblem& problem, const RefinedPose& pose, const Camera& camera,
                   const JudgeOptions& options);
 

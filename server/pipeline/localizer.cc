@@ -14,11 +14,19 @@
 #include "server/pipeline/query_check.h"
 #include "server/pipeline/stopwatch.h"
 #include "server/ransac/estimator.h"
+#include "server/refinement/gravity_check.h"
 #include "server/refinement/refine.h"
 #include "server/retrieval/ranking.h"
 
 namespace maploc {
 namespace {
+
+// Hypotheses without gravity after those with a wrong one failed: enough for matches of which a
+// sixth are right, at a cost that every query without an answer can bear.
+constexpr int kIterationsAgainstGravity = 2000;
+
+// When a segment's matches are tried once more as if gravity had not been measured.
+enum class AgainstGravity { kNever, kIfInconsistent, kIfNotLocalized };
 
 // What stays the same while one query walks through its segments.
 struct Context {
@@ -51,6 +59,7 @@ MatchedProblem Match(const Context& context, const Segment& segment, StageTimes&
 
 // The smallest samples of any strategy with gravity are two points, or a point and a line.
 bool CanDraw(const PoseProblem& problem) {
+  if (!problem.has_gravity) return problem.points.size() >= 3;
   return problem.points.size() >= 2 || (!problem.points.empty() && !problem.lines.empty());
 }
 
@@ -58,25 +67,30 @@ Strategy ChooseStrategy(const Context& context, const StrategyDecision& decision
   return context.query.requested_strategy.value_or(decision.strategy);
 }
 
+// Without gravity every sample is three points, whatever was chosen.
 Consensus Estimate(const Context& context, const MapSnapshot::Entry& entry,
                    const PoseProblem& problem, StageTimes& times) {
   const Stopwatch watch(times.ransac_ms);
+  const Strategy chosen = ChooseStrategy(context, entry.decision);
   RansacOptions options;
-  options.strategy = ChooseStrategy(context, entry.decision);
+  options.strategy = problem.has_gravity ? chosen : Strategy::kP3P;
+  if (!problem.has_gravity && context.query.gravity) {
+    options.max_iterations = kIterationsAgainstGravity;
+  }
   options.max_reprojection_error_px = context.options.max_reprojection_error_px;
   options.seed = Random(context.seed).Fork(entry.segment->id).Next();
   options.deadline = context.interrupt.deadline;
   options.cancelled = context.interrupt.cancelled;
-  return EstimateConsensus(problem, options);
+  Consensus consensus = EstimateConsensus(problem, options);
+  consensus.fell_back = consensus.strategy != chosen;
+  return consensus;
 }
 
-RefinedPose Refine(const Context& context, const PoseProblem& problem, const Consensus& consensus,
-                   StageTimes& times) {
-  const Stopwatch watch(times.refinement_ms);
+RefineOptions Refining(const Context& context) {
   RefineOptions options;
   options.mode = context.query.refinement;
   options.max_reprojection_error_px = context.options.max_reprojection_error_px;
-  return RefinePose(problem, consensus.camera_from_map, options);
+  return options;
 }
 
 // An answer about `entry`'s segment without a pose as yet.
@@ -96,7 +110,6 @@ void FillEvidence(const PoseProblem& problem, const RefinedPose& pose, const Con
   evidence.strategy = consensus.strategy;
   evidence.fell_back = consensus.fell_back;
   evidence.iterations = consensus.iterations;
-  evidence.gravity_disagreement_rad = pose.gravity_disagreement_rad;
 }
 
 void FillPose(const Context& context, const RefinedPose& pose, Localization& answer) {
@@ -105,9 +118,12 @@ void FillPose(const Context& context, const RefinedPose& pose, Localization& ans
   answer.covariance = BodyCovariance(pose.covariance, pose.camera_from_map, camera_from_body);
 }
 
+// `problem` has gravity as it was sent, or not at all: then the pose was found without it, and is
+// told to contradict it where it does.
 void Judge(const Context& context, const PoseProblem& problem, const RefinedPose& pose,
-           int iterations, Localization& answer) {
+           const GravityCheck& gravity, int iterations, Localization& answer) {
   const JudgeOptions options{
+      .contradicts_gravity = problem.has_gravity && !gravity.consistent,
       .min_confidence = context.options.min_confidence,
       .max_reprojection_error_px = context.options.max_reprojection_error_px,
       .iterations = iterations,
@@ -115,25 +131,18 @@ void Judge(const Context& context, const PoseProblem& problem, const RefinedPose
   const Verdict verdict = JudgePose(problem, pose, context.view().camera, options);
   answer.outcome = verdict.outcome;
   answer.evidence.confidence = verdict.confidence;
-  if (verdict.outcome == Outcome::kLocalized) FillPose(context, pose, answer);
+  answer.evidence.gravity_disagreement_rad = gravity.disagreement_rad;
+  if (verdict.outcome != Outcome::kLocalized) return;
+  answer.evidence.gravity_rejected = !gravity.consistent;
+  FillPose(context, pose, answer);
 }
 
-// One segment through matching, RANSAC, refinement and judgement. `iterations` counts on over the
-// segments of a query; `times` add up.
-Result<Localization> TrySegment(const Context& context, const MapSnapshot::Entry& entry,
-                                int& iterations, StageTimes& times) {
-  Localization answer = Begin(context, entry);
-  MatchedProblem matched = Match(context, *entry.segment, times);
-  const PoseProblem& problem = matched.problem;
-  answer.matches = std::move(matched.matches);
-  answer.evidence = CountEvidence(problem, RefinedPose());
-  answer.evidence.strategy = ChooseStrategy(context, entry.decision);
-  answer.point_match_inlier.assign(problem.points.size(), 0);
-  answer.line_match_inlier.assign(problem.lines.size(), 0);
-  answer.outcome = Outcome::kTooFewMatches;
-  MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
+// A segment's matches through RANSAC, refinement and judgement. `as_sent` is `problem` with the
+// gravity that was sent. `iterations` counts on over all attempts of a query; `times` add up.
+Result<Localization> TryMatches(const Context& context, const MapSnapshot::Entry& entry,
+                                const PoseProblem& problem, const PoseProblem& as_sent,
+                                Localization answer, int& iterations, StageTimes& times) {
   if (!CanDraw(problem)) return answer;
-
   const Consensus consensus = Estimate(context, entry, problem, times);
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
   iterations += consensus.iterations;
@@ -141,13 +150,55 @@ Result<Localization> TrySegment(const Context& context, const MapSnapshot::Entry
   answer.outcome = Outcome::kNoConsensus;
   if (!consensus.found) return answer;
 
-  const RefinedPose pose = Refine(context, problem, consensus, times);
+  const Stopwatch watch(times.refinement_ms);
+  const RefinedPose pose = RefinePose(problem, consensus.camera_from_map, Refining(context));
   if (!pose.converged) return answer;
   FillEvidence(problem, pose, consensus, answer.evidence);
   answer.point_match_inlier = pose.point_inliers;
   answer.line_match_inlier = pose.line_inliers;
-  Judge(context, problem, pose, iterations, answer);
+  const GravityCheck gravity = CheckGravity(as_sent, pose, Refining(context));
+  Judge(context, problem, pose, gravity, iterations, answer);
   return answer;
+}
+
+bool IsTried(AgainstGravity when, Outcome outcome) {
+  switch (when) {
+    case AgainstGravity::kNever:
+      break;
+    case AgainstGravity::kIfInconsistent:
+      return outcome == Outcome::kGravityInconsistent;
+    case AgainstGravity::kIfNotLocalized:
+      return outcome != Outcome::kLocalized;
+  }
+  return false;
+}
+
+// One segment through matching and all that follows; once more without the gravity that was sent
+// where that may be what is wrong. Only a LOCALIZED answer is taken from that second attempt.
+Result<Localization> TrySegment(const Context& context, const MapSnapshot::Entry& entry,
+                                AgainstGravity against_gravity, int& iterations,
+                                StageTimes& times) {
+  MatchedProblem matched = Match(context, *entry.segment, times);
+  PoseProblem& problem = matched.problem;
+  Localization start = Begin(context, entry);
+  start.matches = std::move(matched.matches);
+  start.evidence = CountEvidence(problem, RefinedPose());
+  start.evidence.strategy = ChooseStrategy(context, entry.decision);
+  start.point_match_inlier.assign(problem.points.size(), 0);
+  start.line_match_inlier.assign(problem.lines.size(), 0);
+  start.outcome = Outcome::kTooFewMatches;
+  MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
+  MAPLOC_ASSIGN_OR_RETURN(Localization answer,
+                          TryMatches(context, entry, problem, problem, start, iterations, times));
+  if (!problem.has_gravity || !IsTried(against_gravity, answer.outcome)) return answer;
+
+  PoseProblem without = problem;
+  without.has_gravity = false;
+  MAPLOC_ASSIGN_OR_RETURN(Localization free, TryMatches(context, entry, without, problem,
+                                                        std::move(start), iterations, times));
+  if (free.outcome != Outcome::kLocalized) return answer;
+  free.evidence.iterations += answer.evidence.iterations;
+  return free;
 }
 
 // All ranked segments as one, where each alone was too little. The answer is told as one about the
@@ -158,27 +209,34 @@ Result<Localization> TryJointly(const Context& context, const std::vector<int>& 
   for (const int index : ranked) parts.push_back(context.map.segments[index].segment);
   const auto joint = std::make_shared<const Segment>(JoinSegments(parts));
   const MapSnapshot::Entry entry{joint, context.map.segments[ranked.front()].decision};
-  MAPLOC_ASSIGN_OR_RETURN(Localization answer, TrySegment(context, entry, iterations, times));
+  MAPLOC_ASSIGN_OR_RETURN(
+      Localization answer,
+      TrySegment(context, entry, AgainstGravity::kIfNotLocalized, iterations, times));
   TellOfOnePart(*joint, parts, answer);
   return answer;
 }
 
 // The best ranked segment, then all ranked ones together, then the others alone, until one answers.
+// A wrong gravity costs at most two more searches: where the first segment's matches contradict it,
+// and where all matches together found nothing.
 // Where none does, the best ranked one speaks: a query counts in exactly one segment.
 Result<Localization> TrySegments(const Context& context, const std::vector<int>& ranked,
                                  StageTimes& times) {
   int iterations = 0;
-  const auto try_one = [&](int index) {
-    return TrySegment(context, context.map.segments[index], iterations, times);
+  const auto try_one = [&](int index, AgainstGravity against_gravity) {
+    return TrySegment(context, context.map.segments[index], against_gravity, iterations, times);
   };
-  MAPLOC_ASSIGN_OR_RETURN(Localization first, try_one(ranked.front()));
-  if (first.outcome == Outcome::kLocalized || ranked.size() == 1) return first;
+  const bool alone = ranked.size() == 1;
+  MAPLOC_ASSIGN_OR_RETURN(Localization first,
+                          try_one(ranked.front(), alone ? AgainstGravity::kIfNotLocalized
+                                                        : AgainstGravity::kIfInconsistent));
+  if (first.outcome == Outcome::kLocalized || alone) return first;
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
   MAPLOC_ASSIGN_OR_RETURN(Localization together, TryJointly(context, ranked, iterations, times));
   if (together.outcome == Outcome::kLocalized) return together;
   for (std::size_t i = 1; i < ranked.size(); ++i) {
     MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
-    MAPLOC_ASSIGN_OR_RETURN(Localization answer, try_one(ranked[i]));
+    MAPLOC_ASSIGN_OR_RETURN(Localization answer, try_one(ranked[i], AgainstGravity::kNever));
     if (answer.outcome == Outcome::kLocalized) return answer;
   }
   return first;

@@ -33,10 +33,6 @@ Status CheckQuery(const Query& query, const MapInfo& map) {
     return InvalidArgument("views", "exactly one view is served, " +
                                         std::to_string(query.views.size()) + " were sent");
   }
-  if (!query.gravity) {
-    return InvalidArgument("gravity", "is absent; send the direction of gravity in the body frame",
-                           "GRAVITY_ABSENT");
-  }
   const View& view = query.views.front();
   MAPLOC_RETURN_IF_ERROR(
       CheckKind("views[0].points", view.points.descriptors, map.point_descriptor));

@@ -5,8 +5,6 @@
 #include <numbers>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
-
 #include "server/refinement/chance.h"
 #include "server/refinement/determination.h"
 
@@ -30,8 +28,6 @@ constexpr double kUndeterminedConfidence = 0.5;
 constexpr double kLeastLogLineChance = -4.0;
 // Pairs of outliers share a displacement less often than a pattern's commonest one occurs.
 constexpr double kRepeatFactor = 3.0;
-constexpr double kChiSquare2AtOneInTenThousand = 18.42068;
-constexpr double kLeastGravitySigmaRad = 0.1 * std::numbers::pi / 180.0;
 
 // The share of the image that one inlier's disc or strip covers.
 struct ChanceRates {
@@ -93,16 +89,6 @@ double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
   return IsDetermined(problem, pose, options.max_reprojection_error_px, kMaxSpread)
              ? confidence
              : kUndeterminedConfidence;
-}
-
-bool GravityConsistent(double gravity_disagreement_rad, double gravity_sigma_rad,
-                       const PoseCovariance& covariance) {
-  const double sigma = std::max(gravity_sigma_rad, kLeastGravitySigmaRad);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> tilt(covariance.block<2, 2>(3, 3),
-                                                            Eigen::EigenvaluesOnly);
-  const double variance = sigma * sigma + std::max(tilt.eigenvalues().maxCoeff(), 0.0);
-  return gravity_disagreement_rad * gravity_disagreement_rad <=
-         kChiSquare2AtOneInTenThousand * variance;
 }
 
 }  // namespace maploc

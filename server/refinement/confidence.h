@@ -41,10 +41,4 @@ double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
 double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pose,
                               const ConfidenceOptions& options);
 
-// Is the disagreement between the sent gravity and the pose's explained by their uncertainties?
-// Chi-square with 2 degrees of freedom at p = 1e-4: disagreement^2 <= 18.42 (sigma^2 + the larger
-// eigenvalue of the covariance of roll and pitch). A sigma below 0.1 degrees counts as 0.1.
-bool GravityConsistent(double gravity_disagreement_rad, double gravity_sigma_rad,
-                       const PoseCovariance& covariance);
-
 }  // namespace maploc

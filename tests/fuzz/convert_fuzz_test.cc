@@ -71,8 +71,9 @@ void ExpectSound(const Query& query) {
   for (int i = 0; i < view.lines.size(); ++i) {
     ASSERT_NE(view.lines.starts_px[i], view.lines.ends_px[i]);
   }
-  ASSERT_TRUE(query.gravity.has_value());
-  ASSERT_NEAR(query.gravity->direction_in_body.norm(), 1.0, 1e-9);
+  if (query.gravity) {
+    ASSERT_NEAR(query.gravity->direction_in_body.norm(), 1.0, 1e-9);
+  }
   ASSERT_NEAR(view.camera_from_body.rotation.norm(), 1.0, 1e-9);
   ASSERT_GE(view.camera.MeanFocalLengthPx(), 0.1);
 }

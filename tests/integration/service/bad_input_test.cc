@@ -37,8 +37,6 @@ const std::vector<BadRequest>& BadRequests() {
        kInvalid, "views[0].lines.descriptors: ", "DESCRIPTOR_LENGTH"},
       {"ZeroGravity", [](R* r) { r->mutable_gravity()->mutable_direction_in_body()->Clear(); },
        kInvalid, "gravity.direction_in_body: ", "ZERO_GRAVITY"},
-      {"AbsentGravity", [](R* r) { r->clear_gravity(); }, kInvalid,
-       "gravity: ", "GRAVITY_REQUIRED"},
       {"ZeroFocalLength", [](R* r) { r->mutable_views(0)->mutable_camera()->set_params(0, 0.0); },
        kInvalid, "views[0].camera.params[0]: ", "BAD_FOCAL_LENGTH"},
       {"UnknownMap", [](R* r) { r->set_map("nowhere"); }, grpc::StatusCode::NOT_FOUND,

@@ -1,5 +1,6 @@
 // A robot's day: start, localize, end; and what a restart, a repetition and a crowd change.
 #include <atomic>
+#include <numbers>
 #include <thread>
 
 #include "tests/integration/service/service_fixture.h"
@@ -21,6 +22,24 @@ TEST_F(SessionServiceTest, PosesComeBackRight) {
     EXPECT_GT(answer->covariance(0, 0), 0.0);
     EXPECT_GT(answer->times.total_ms, 0.0);
   }
+}
+
+TEST_F(SessionServiceTest, AnswersWithoutGravityAndAgainstAWrongOne) {
+  Query query = QueryAt(8.0);
+  query.gravity.reset();
+  const Result<Localization> without = client_->Localize(query);
+  ASSERT_TRUE(without.ok()) << without.status().ToString();
+  ASSERT_EQ(without->outcome, Outcome::kLocalized);
+  EXPECT_EQ(without->evidence.strategy, Strategy::kP3P);
+  EXPECT_FALSE(without->evidence.gravity_rejected);
+
+  query.gravity = Gravity{Eigen::Vector3d(1, 0, 0), 0.01};  // the camera's right
+  const Result<Localization> against = client_->Localize(query);
+  ASSERT_TRUE(against.ok()) << against.status().ToString();
+  ASSERT_EQ(against->outcome, Outcome::kLocalized);
+  EXPECT_TRUE(against->evidence.gravity_rejected);
+  EXPECT_NEAR(against->evidence.gravity_disagreement_rad, std::numbers::pi / 2, 0.1);
+  EXPECT_LT((against->map_from_body->translation - TruthAt(8.0)).norm(), 0.1);
 }
 
 TEST_F(SessionServiceTest, MatchesComeWhenTheyAreAskedFor) {

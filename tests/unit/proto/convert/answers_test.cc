@@ -23,6 +23,7 @@ Localization LocalizedAnswer() {
   answer.evidence.fell_back = true;
   answer.evidence.iterations = 77;
   answer.evidence.gravity_disagreement_rad = 0.01;
+  answer.evidence.gravity_rejected = true;
   answer.evidence.confidence = 0.999;
   answer.strategy_source = StrategySource::kPinned;
   answer.times = {1, 2, 3, 4, 5, 16};
@@ -57,6 +58,7 @@ TEST(LocalizationConvert, ComesBackTheSame) {
   EXPECT_EQ(got->evidence.fell_back, sent.evidence.fell_back);
   EXPECT_EQ(got->evidence.iterations, sent.evidence.iterations);
   EXPECT_EQ(got->evidence.gravity_disagreement_rad, sent.evidence.gravity_disagreement_rad);
+  EXPECT_EQ(got->evidence.gravity_rejected, sent.evidence.gravity_rejected);
   EXPECT_EQ(got->evidence.confidence, sent.evidence.confidence);
   EXPECT_EQ(got->strategy_source, sent.strategy_source);
   EXPECT_EQ(got->times.retrieval_ms, 2);

@@ -113,7 +113,6 @@ const std::vector<Refusal>& Refusals() {
       {"TranslationInfinite",
        [](R* r) { CameraFromBody(r)->mutable_translation()->set_x(kInfinity); },
        "views[0].camera_from_body.translation", "NOT_FINITE"},
-      {"GravityAbsent", [](R* r) { r->clear_gravity(); }, "gravity", "GRAVITY_REQUIRED"},
       {"GravityZero", [](R* r) { GravityVector(r)->set_y(0); }, "gravity.direction_in_body",
        "ZERO_GRAVITY"},
       {"GravityUnsetVector", [](R* r) { r->mutable_gravity()->clear_direction_in_body(); },

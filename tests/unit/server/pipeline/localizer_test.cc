@@ -1,6 +1,7 @@
 #include "server/pipeline/localizer.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <gmock/gmock.h>
 
@@ -25,6 +26,19 @@ double PositionError(const Localization& answer, const Rigid3& camera_from_map,
                      const Rigid3& camera_from_body = {}) {
   const Rigid3 truth = camera_from_map.Inverse() * camera_from_body;
   return (answer.map_from_body->translation - truth.translation).norm();
+}
+
+// Leaves the keypoints within `radius_px` of `centre_px`.
+void KeepPatch(const Eigen::Vector2f& centre_px, float radius_px, PointFeatures& points) {
+  PointFeatures kept;
+  kept.descriptors.kind = points.descriptors.kind;
+  for (int i = 0; i < points.descriptors.size(); ++i) {
+    if ((points.keypoints_px[i] - centre_px).norm() > radius_px) continue;
+    const auto row = points.descriptors.row(i);
+    kept.keypoints_px.push_back(points.keypoints_px[i]);
+    kept.descriptors.bytes.insert(kept.descriptors.bytes.end(), row.begin(), row.end());
+  }
+  points = std::move(kept);
 }
 
 class LocalizerTest : public ::testing::Test {
@@ -166,23 +180,87 @@ TEST_F(LocalizerTest, NothingButOutliersGivesNoPose) {
   EXPECT_LT(answer->evidence.confidence, options_.min_confidence);
 }
 
-// Gravity wrong by eight of its sigmas; the matches are good enough to tell.
-TEST_F(LocalizerTest, AWrongGravityIsToldNotTrusted) {
-  const auto answer = Run(world_.See(
-      camera_from_map_,
-      {.gravity_sigma_rad = 0.005, .gravity_error_rad = 0.04, .outlier_share = 0.1}, random_));
-  ASSERT_TRUE(answer.ok());
-  EXPECT_EQ(answer->outcome, Outcome::kGravityInconsistent) << OutcomeName(answer->outcome);
-  EXPECT_FALSE(answer->map_from_body);
+// A fault of the accelerometer: the matches are good enough to tell, and to answer without it. At
+// 20 degrees no sample of two entities finds the pose.
+TEST_F(LocalizerTest, AWrongGravityIsToldAndNotUsed) {
+  for (const double error_rad : {0.04, 0.35}) {
+    const auto answer = Run(world_.See(
+        camera_from_map_, {.gravity_sigma_rad = 0.005, .gravity_error_rad = error_rad}, random_));
+    ASSERT_TRUE(answer.ok());
+    ASSERT_EQ(answer->outcome, Outcome::kLocalized) << error_rad;
+    EXPECT_LT(PositionError(*answer, camera_from_map_), 0.05);
+    EXPECT_TRUE(answer->evidence.gravity_rejected);
+    EXPECT_NEAR(answer->evidence.gravity_disagreement_rad, error_rad, 0.02);
+    EXPECT_EQ(answer->evidence.strategy, Strategy::kP3P);
+    EXPECT_TRUE(answer->evidence.fell_back);
+    EXPECT_EQ(answer->strategy_source, StrategySource::kDefault);
+  }
 }
 
-TEST_F(LocalizerTest, AbsentGravityIsRefusedByName) {
+// Matches on a patch of the picture hold a pose with gravity alone. When gravity is wrong there is
+// none to answer, at any size of the patch and of the error.
+TEST_F(LocalizerTest, WhatOnlyAWrongGravityHoldsIsNotAnswered) {
+  const DrawnWorld dense(testing::TestRandom(2), {.points_a_metre = 80, .lines_a_metre = 0});
+  snapshot_ = Snapshot(dense);
+  int inconsistent = 0;
+  for (int i = 0; i < 40; ++i) {
+    const QueryNoise noise{.gravity_sigma_rad = 0.005,
+                           .gravity_error_rad = random_.Uniform(0.05, 0.2),
+                           .outlier_share = 0.1,
+                           .max_points = 2000,
+                           .max_lines = 0};
+    Query query = dense.See(camera_from_map_, noise, random_);
+    KeepPatch({400, 300}, static_cast<float>(random_.Uniform(25, 70)), query.views[0].points);
+    const auto answer = Run(query);
+    ASSERT_TRUE(answer.ok());
+    inconsistent += answer->outcome == Outcome::kGravityInconsistent ? 1 : 0;
+    if (!answer->map_from_body) continue;
+    EXPECT_TRUE(answer->evidence.gravity_rejected);
+    EXPECT_LT(PositionError(*answer, camera_from_map_), 0.5);
+  }
+  EXPECT_GE(inconsistent, 1);
+}
+
+TEST_F(LocalizerTest, AnHonestGravityIsNotRejected) {
+  for (int i = 0; i < 20; ++i) {
+    const auto answer = Run(world_.See(camera_from_map_, {}, random_));
+    ASSERT_EQ(answer->outcome, Outcome::kLocalized);
+    EXPECT_FALSE(answer->evidence.gravity_rejected);
+    EXPECT_LT(answer->evidence.gravity_disagreement_rad, 0.06);
+  }
+}
+
+TEST_F(LocalizerTest, AbsentGravityIsAnsweredByThreePoints) {
   Query query = world_.See(camera_from_map_, {}, random_);
   query.gravity.reset();
+  for (const auto requested : {std::optional<Strategy>(), std::optional(Strategy::k2P)}) {
+    query.requested_strategy = requested;
+    const auto answer = Run(query);
+    ASSERT_TRUE(answer.ok()) << answer.status().ToString();
+    ASSERT_EQ(answer->outcome, Outcome::kLocalized);
+    EXPECT_LT(PositionError(*answer, camera_from_map_), 0.05);
+    EXPECT_EQ(answer->evidence.strategy, Strategy::kP3P);
+    EXPECT_TRUE(answer->evidence.fell_back);
+    EXPECT_FALSE(answer->evidence.gravity_rejected);
+    EXPECT_EQ(answer->evidence.gravity_disagreement_rad, 0.0);
+  }
+  query.requested_strategy = Strategy::kP3P;
+  EXPECT_FALSE(Run(query)->evidence.fell_back);
+}
+
+TEST_F(LocalizerTest, ThreePointsMayBeAskedForWithGravity) {
+  Query query = world_.See(camera_from_map_, {}, random_);
+  query.requested_strategy = Strategy::kP3P;
   const auto answer = Run(query);
-  ASSERT_FALSE(answer.ok());
-  EXPECT_EQ(answer.status().code(), StatusCode::kInvalidArgument);
-  EXPECT_THAT(answer.status().message(), ::testing::StartsWith("gravity"));
+  ASSERT_EQ(answer->outcome, Outcome::kLocalized);
+  EXPECT_EQ(answer->evidence.strategy, Strategy::kP3P);
+  EXPECT_LT(PositionError(*answer, camera_from_map_), 0.05);
+}
+
+TEST_F(LocalizerTest, TwoPointsWithoutGravityAreTooFew) {
+  Query query = world_.See(camera_from_map_, {.max_points = 2}, random_);
+  query.gravity.reset();
+  EXPECT_EQ(Run(query)->outcome, Outcome::kTooFewMatches);
 }
 
 TEST_F(LocalizerTest, OneViewIsServed) {

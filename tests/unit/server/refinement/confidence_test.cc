@@ -1,15 +1,11 @@
 #include "server/refinement/confidence.h"
 
-#include <numbers>
-
 #include <gtest/gtest.h>
 
 #include "server/refinement/chance.h"
 
 namespace maploc::testing {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 TEST(LogBinomialTail, IsTheTail) {
   // P(Binomial(4, 1/2) >= 3) = 5/16, P(Binomial(10, 0.1) >= 1) = 1 - 0.9^10.
@@ -36,18 +32,6 @@ TEST(SpreadArea, OfAUniformRectangleIsItsArea) {
   }
   EXPECT_NEAR(SpreadArea(features), 2.0, 0.01);
   EXPECT_EQ(SpreadArea({{0, 0}, {1, 1}}), 0.0);
-}
-
-TEST(GravityConsistent, IsChiSquareOfBothUncertainties) {
-  PoseCovariance covariance = PoseCovariance::Zero();
-  // sqrt(18.42) = 4.29 sigmas.
-  EXPECT_TRUE(GravityConsistent(4.2 * kDegree, 1.0 * kDegree, covariance));
-  EXPECT_FALSE(GravityConsistent(4.4 * kDegree, 1.0 * kDegree, covariance));
-  covariance(3, 3) = covariance(4, 4) = kDegree * kDegree;
-  EXPECT_TRUE(GravityConsistent(6.0 * kDegree, 1.0 * kDegree, covariance));
-  EXPECT_FALSE(GravityConsistent(6.2 * kDegree, 1.0 * kDegree, covariance));
-  EXPECT_TRUE(GravityConsistent(0.3 * kDegree, 0.0, PoseCovariance::Zero()))
-      << "no accelerometer is exact";
 }
 
 }  // namespace

@@ -1,0 +1,48 @@
+#include "server/refinement/gravity_check.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "mapstore/geometry/gravity.h"
+
+namespace maploc {
+namespace {
+
+constexpr double kChiSquare2AtOneInTenThousand = 18.42068;
+constexpr double kLeastGravitySigmaRad = 0.1 * std::numbers::pi / 180.0;
+
+// The turn about the map's x and y axes that takes the map's gravity to the measured one.
+Eigen::Vector2d Tilt(const PoseProblem& problem, const Rigid3& camera_from_map) {
+  const Eigen::Vector3d measured_in_map =
+      camera_from_map.rotation.conjugate() * problem.gravity_in_camera;
+  const double angle = AngleBetween(kGravityInMap, measured_in_map);
+  const Eigen::Vector2d axis = kGravityInMap.cross(measured_in_map).head<2>();
+  if (!(axis.norm() > 0)) return {angle, 0.0};
+  return angle * axis.normalized();
+}
+
+}  // namespace
+
+GravityCheck CompareGravity(const PoseProblem& problem, const RefinedPose& matches_alone) {
+  const Eigen::Vector2d tilt = Tilt(problem, matches_alone.camera_from_map);
+  const double sigma = std::max(problem.gravity_sigma_rad, kLeastGravitySigmaRad);
+  const Eigen::Matrix2d spread =
+      matches_alone.covariance.block<2, 2>(3, 3) + sigma * sigma * Eigen::Matrix2d::Identity();
+  const double distance2 = tilt.dot(spread.ldlt().solve(tilt));
+  return {tilt.norm(), distance2 <= kChiSquare2AtOneInTenThousand};
+}
+
+GravityCheck CheckGravity(const PoseProblem& problem, const RefinedPose& pose,
+                          const RefineOptions& options) {
+  if (!problem.has_gravity) return {};
+  RefineOptions free = options;
+  free.mode = Refinement::k6Dof;
+  const RefinedPose matches_alone = RefinePose(problem, pose.camera_from_map, free);
+  if (!matches_alone.converged) return {pose.gravity_disagreement_rad, true};
+  return CompareGravity(problem, matches_alone);
+}
+
+}  // namespace maploc
