@@ -57,6 +57,7 @@ class InMemoryStore : public MapStore {
   Result<std::vector<Session>> ListSessions() const override;
   Status AppendObservations(const SessionId& id,
                             std::span<const Observation> observations) override;
+  Result<std::vector<SessionId>> AppendGroup(std::span<const SessionObservations> group) override;
   Result<std::vector<Observation>> ListObservations(const SessionId& id) const override;
   Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end, std::int64_t end_unix_ns,
                                     std::span<const Observation> last) override;
@@ -275,6 +276,24 @@ Status InMemoryStore::AppendObservations(const SessionId& id,
   MAPLOC_RETURN_IF_ERROR(CheckObservations(stored.session, observations));
   for (const Observation& o : observations) stored.observations.try_emplace(o.sequence, o);
   return Status::Ok();
+}
+
+Result<std::vector<SessionId>> InMemoryStore::AppendGroup(
+    std::span<const SessionObservations> group) {
+  const std::lock_guard lock(mutex_);
+  std::vector<SessionId> ended;
+  for (const auto& [id, observations] : group) {
+    const auto found = sessions_.find(id);
+    if (found == sessions_.end()) return UnknownSession(id);
+    MAPLOC_RETURN_IF_ERROR(CheckObservations(found->second.session, observations));
+    if (found->second.session.end != SessionEnd::kOpen) ended.push_back(id);
+  }
+  for (const auto& [id, observations] : group) {
+    StoredSession& stored = sessions_.at(id);
+    if (stored.session.end != SessionEnd::kOpen) continue;
+    for (const Observation& o : observations) stored.observations.try_emplace(o.sequence, o);
+  }
+  return ended;
 }
 
 Result<std::vector<Observation>> InMemoryStore::ListObservations(const SessionId& id) const {

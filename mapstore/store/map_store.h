@@ -55,6 +55,12 @@ struct StoreOptions {
   SelectorOptions selector;  // for statistics and strategies derived from now on
 };
 
+// What one session has to append.
+struct SessionObservations {
+  SessionId session;
+  std::vector<Observation> observations;
+};
+
 // An import in progress, invisible to readers until Commit. Destroyed without it, nothing remains.
 // Must not outlive its store. Not thread-safe.
 class MapWriter {
@@ -99,6 +105,10 @@ class MapStore {
   // must exist (or be -1).
   virtual Status AppendObservations(const SessionId& id,
                                     std::span<const Observation> observations) = 0;
+  // The same for several sessions in ONE transaction, so that they share a sync of the disk. Those
+  // that have ended are left out, and returned; any other error of one is everybody's.
+  virtual Result<std::vector<SessionId>> AppendGroup(
+      std::span<const SessionObservations> group) = 0;
   virtual Result<std::vector<Observation>> ListObservations(const SessionId& id) const = 0;
   // ONE transaction: `last` is appended (idempotent), the session's observations fold into rows,
   // the visited segments' statistics and strategies are derived anew, the summary is kept.

@@ -32,6 +32,7 @@ class SqliteStore : public MapStore {
   Result<std::vector<Session>> ListSessions() const override;
   Status AppendObservations(const SessionId& id,
                             std::span<const Observation> observations) override;
+  Result<std::vector<SessionId>> AppendGroup(std::span<const SessionObservations> group) override;
   Result<std::vector<Observation>> ListObservations(const SessionId& id) const override;
   Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end, std::int64_t end_unix_ns,
                                     std::span<const Observation> last) override;
@@ -140,6 +141,23 @@ Status SqliteStore::AppendObservations(const SessionId& id,
   MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(writer.database(), session.map));
   MAPLOC_RETURN_IF_ERROR(InsertObservations(writer.database(), map, id, observations));
   return writer.Commit();
+}
+
+Result<std::vector<SessionId>> SqliteStore::AppendGroup(
+    std::span<const SessionObservations> group) {
+  MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_->Write());
+  std::vector<SessionId> ended;
+  for (const auto& [id, observations] : group) {
+    MAPLOC_ASSIGN_OR_RETURN(const Session session, ReadSession(writer.database(), id));
+    if (session.end != SessionEnd::kOpen) {
+      ended.push_back(id);
+      continue;
+    }
+    MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(writer.database(), session.map));
+    MAPLOC_RETURN_IF_ERROR(InsertObservations(writer.database(), map, id, observations));
+  }
+  MAPLOC_RETURN_IF_ERROR(writer.Commit());
+  return ended;
 }
 
 Result<std::vector<Observation>> SqliteStore::ListObservations(const SessionId& id) const {

@@ -117,6 +117,12 @@ class SessionManager {
     std::int64_t start_unix_ns = 0;
   };
 
+  // What one session has to write.
+  struct Batch {
+    std::shared_ptr<Open> open;
+    std::vector<Observation> observations;
+  };
+
   SessionManager(MapStore* store, const SessionManagerOptions& options, const Clock& clock);
   Status Recover();
   void Run();
@@ -133,7 +139,11 @@ class SessionManager {
   Result<SessionSummary> EndInStore(const SessionId& id) const;
   // REQUIRES: `open->ending` was set by the caller and nothing runs.
   Result<SessionSummary> Finish(const std::shared_ptr<Open>& open, SessionEnd end);
-  Status FlushOne(const std::shared_ptr<Open>& open, const std::vector<Observation>& batch);
+  // Everything that is not on disk, in groups of one transaction each.
+  std::vector<std::vector<Batch>> Waiting() const;
+  Status FlushGroup(const std::vector<Batch>& group);
+  Status FlushOneByOne(const std::vector<Batch>& group, const Status& refused);
+  void DropEnded(const Batch& batch);
   // REQUIRES: mutex_ is held.
   void Drop(const std::shared_ptr<Open>& open);
   void EraseSaved(const std::shared_ptr<Open>& open, std::int64_t last_sequence);

@@ -1,10 +1,19 @@
 // What reaches the store after the answers: groups of observations, and ends of sessions.
+#include <algorithm>
+
 #include <spdlog/spdlog.h>
 
 #include "server/sessions/open_session.h"
 #include "server/sessions/session_manager.h"
 
 namespace maploc {
+namespace {
+
+// Observations a transaction, about: some 20 ms, so that an EndSession does not wait longer for
+// one.
+constexpr std::size_t kMaxGroup = 2000;
+
+}  // namespace
 
 void SessionManager::Run() {
   std::unique_lock lock(mutex_);
@@ -21,33 +30,61 @@ void SessionManager::Run() {
 
 Status SessionManager::Flush() {
   const std::lock_guard flush_lock(flush_mutex_);
-  std::vector<std::pair<std::shared_ptr<Open>, std::vector<Observation>>> batches;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& [id, open] : open_) {
-      if (!open->unsaved.empty() && !open->ending) batches.emplace_back(open, open->unsaved);
-    }
-  }
   Status first_error;
-  for (const auto& [open, batch] : batches) {
-    const Status status = FlushOne(open, batch);
+  for (const std::vector<Batch>& group : Waiting()) {
+    const Status status = FlushGroup(group);
     if (first_error.ok()) first_error = status;
   }
   return first_error;
 }
 
-Status SessionManager::FlushOne(const std::shared_ptr<Open>& open,
-                                const std::vector<Observation>& batch) {
-  const Status status = store_->AppendObservations(open->session.id, batch);
-  if (!status.ok() && status.reason() != "SESSION_CLOSED") return status;
-  EraseSaved(open, batch.back().sequence);
-  if (status.ok()) return status;
+std::vector<std::vector<SessionManager::Batch>> SessionManager::Waiting() const {
   const std::lock_guard lock(mutex_);
-  if (open->ending) return Status::Ok();  // our own End was faster, and took these along
-  spdlog::warn("session {} was ended by another process; {} observations came too late",
-               open->session.id, batch.size());
-  Drop(open);
+  std::vector<std::vector<Batch>> groups;
+  std::size_t size = kMaxGroup;  // of the last group
+  for (const auto& [id, open] : open_) {
+    if (open->unsaved.empty() || open->ending) continue;
+    if (size >= kMaxGroup) {
+      groups.emplace_back();
+      size = 0;
+    }
+    groups.back().push_back({open, open->unsaved});
+    size += open->unsaved.size();
+  }
+  return groups;
+}
+
+Status SessionManager::FlushGroup(const std::vector<Batch>& group) {
+  std::vector<SessionObservations> observations;
+  for (const Batch& batch : group) {
+    observations.push_back({batch.open->session.id, batch.observations});
+  }
+  const Result<std::vector<SessionId>> ended = store_->AppendGroup(observations);
+  if (!ended.ok()) return group.size() > 1 ? FlushOneByOne(group, ended.status()) : ended.status();
+  for (const Batch& batch : group) {
+    EraseSaved(batch.open, batch.observations.back().sequence);
+    if (std::ranges::count(*ended, batch.open->session.id) > 0) DropEnded(batch);
+  }
   return Status::Ok();
+}
+
+// What the store refuses of one session must not hold up the others. A store that is busy or full
+// refuses everybody: asking again for each would only take longer.
+Status SessionManager::FlushOneByOne(const std::vector<Batch>& group, const Status& refused) {
+  if (refused.code() == StatusCode::kUnavailable ||
+      refused.code() == StatusCode::kResourceExhausted) {
+    return refused;
+  }
+  for (const Batch& batch : group) static_cast<void>(FlushGroup({batch}));
+  return refused;
+}
+
+void SessionManager::DropEnded(const Batch& batch) {
+  const std::lock_guard lock(mutex_);
+  if (batch.open->ending) return;  // our own End was faster, and took these along
+  spdlog::warn("session {} was ended by another process; {} observations came too late",
+               batch.open->session.id, batch.observations.size());
+  Drop(batch.open);
 }
 
 void SessionManager::EraseSaved(const std::shared_ptr<Open>& open, std::int64_t last_sequence) {

@@ -37,6 +37,9 @@ class ForwardingStore : public MapStore {
                             std::span<const Observation> observations) override {
     return store_->AppendObservations(id, observations);
   }
+  Result<std::vector<SessionId>> AppendGroup(std::span<const SessionObservations> group) override {
+    return store_->AppendGroup(group);
+  }
   Result<std::vector<Observation>> ListObservations(const SessionId& id) const override {
     return store_->ListObservations(id);
   }

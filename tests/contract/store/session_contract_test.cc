@@ -83,6 +83,30 @@ TEST_P(SessionContract, ARefusedBatchOfObservationsLeavesNothing) {
   EXPECT_EQ(store_->GetSession("s")->end, SessionEnd::kOpen);
 }
 
+TEST_P(SessionContract, AGroupOfSessionsIsAppendedTogetherOrNotAtAll) {
+  const MapKey key = GiveMap(*store_);
+  for (const char* id : {"a", "b", "ended"}) Start(id, key);
+  ASSERT_TRUE(store_->EndSession("ended", SessionEnd::kByRobot, 1, {}).ok());
+
+  EXPECT_EQ(
+      store_
+          ->AppendGroup(std::vector<SessionObservations>{{"a", {Seen(1, 0)}}, {"b", {Seen(1, 9)}}})
+          .status()
+          .code(),
+      StatusCode::kNotFound);
+  EXPECT_THAT(store_->ListObservations("a").value(), IsEmpty());
+
+  const auto late = store_->AppendGroup(std::vector<SessionObservations>{
+      {"a", {Seen(1, 0), Seen(2, 1)}}, {"ended", {Seen(1, 0)}}, {"b", {Seen(1, 2)}}});
+  ASSERT_TRUE(late.ok()) << late.status().ToString();
+  EXPECT_THAT(*late, ElementsAre("ended"));
+  EXPECT_THAT(store_->ListObservations("a").value(), SizeIs(2));
+  EXPECT_THAT(store_->ListObservations("b").value(), SizeIs(1));
+  EXPECT_THAT(store_->ListObservations("ended").value(), IsEmpty());
+  EXPECT_EQ(store_->AppendGroup(std::vector<SessionObservations>{{"nobody", {}}}).status().code(),
+            StatusCode::kNotFound);
+}
+
 TEST_P(SessionContract, TheEndOfASessionChangesTheVisitedSegmentsAlone) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);

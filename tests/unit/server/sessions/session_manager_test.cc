@@ -25,9 +25,13 @@ using namespace std::chrono_literals;
 class FailingStore final : public testing::ForwardingStore {
  public:
   using ForwardingStore::ForwardingStore;
-  Status AppendObservations(const SessionId& id, std::span<const Observation> batch) override {
+  Result<std::vector<SessionId>> AppendGroup(std::span<const SessionObservations> group) override {
+    ++groups;
+    for (const SessionObservations& one : group) {
+      if (one.session == poisoned) return Internal("this session cannot be written");
+    }
     if (failing) return Status(StatusCode::kUnavailable, "DISK_FULL", "the disk is full");
-    return store_->AppendObservations(id, batch);
+    return store_->AppendGroup(group);
   }
   Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end, std::int64_t end_unix_ns,
                                     std::span<const Observation> last) override {
@@ -37,6 +41,8 @@ class FailingStore final : public testing::ForwardingStore {
     return Status(StatusCode::kUnavailable, "STORE_BUSY", "another process holds the store");
   }
   std::atomic<bool> failing = false;
+  std::atomic<int> groups = 0;
+  SessionId poisoned;
   std::atomic<bool> hold_ends = false;  // an end waits while this is set, and then fails
   std::atomic<bool> held = false;
 };
@@ -274,6 +280,29 @@ TEST_F(SessionManagerTest, WhatTheStoreRefusesIsWrittenLater) {
   store_.failing = false;
   ASSERT_TRUE(manager_->Flush().ok());
   EXPECT_EQ(OnDisk(id), 2u);
+}
+
+TEST_F(SessionManagerTest, ManySessionsShareOneTransaction) {
+  std::vector<SessionId> sessions;
+  for (int i = 0; i < 100; ++i) Query(sessions.emplace_back(StartSession()), 0);
+  ASSERT_TRUE(manager_->Flush().ok());
+  EXPECT_EQ(store_.groups, 1);
+  for (const SessionId& id : sessions) EXPECT_EQ(OnDisk(id), 1u);
+}
+
+TEST_F(SessionManagerTest, ASessionThatTheStoreRefusesHoldsUpNobody) {
+  const SessionId good = StartSession();
+  const SessionId bad = StartSession();
+  const SessionId ended = StartSession();
+  for (const SessionId& id : {good, bad, ended}) Query(id, 0);
+  ASSERT_TRUE(memory_->EndSession(ended, SessionEnd::kByRobot, 1, {}).ok());
+  store_.poisoned = bad;
+  EXPECT_FALSE(manager_->Flush().ok());
+  EXPECT_EQ(OnDisk(good), 1u);
+  EXPECT_EQ(manager_->Enter(ended).status().reason(), "SESSION_CLOSED");
+  store_.poisoned.clear();
+  EXPECT_TRUE(manager_->Flush().ok());
+  EXPECT_EQ(OnDisk(bad), 1u);
 }
 
 TEST_F(SessionManagerTest, QueriesAreRefusedRatherThanUncounted) {
