@@ -49,7 +49,7 @@ class Maker {
     do {
       point.position_in_map = RandomPointInMap(options_.scene, random_);
     } while (!IsVisible(point.position_in_map));
-    point.normalized = inlier ? Noisy(Project(point.position_in_map)) : RandomPixel();
+    point.normalized = SeesItself(inlier) ? Noisy(Project(point.position_in_map)) : RandomPixel();
     point.ratio = random_.Uniform(0.3, 1.0);
     return point;
   }
@@ -62,13 +62,17 @@ class Maker {
     } while (!IsVisible(line.segment_in_map.start) || !IsVisible(line.segment_in_map.end) ||
              ImageLength(line.segment_in_map) * options_.focal_length_px < 20.0);
     line.normalized = {Project(line.segment_in_map.start), Project(line.segment_in_map.end)};
-    if (!inlier) line.normalized = {RandomPixel(), RandomPixel()};
+    if (!SeesItself(inlier)) line.normalized = {RandomPixel(), RandomPixel()};
     line.normalized = {Noisy(line.normalized.start), Noisy(line.normalized.end)};
     line.ratio = random_.Uniform(0.3, 1.0);
     return line;
   }
 
  private:
+  // A wrong association is made after, among features that each see themselves.
+  bool SeesItself(bool inlier) const {
+    return inlier || options_.outliers == Outliers::kWrongAssociations;
+  }
   Eigen::Vector2d Project(const Eigen::Vector3d& point_in_map) const {
     return (camera_from_map_ * point_in_map).hnormalized();
   }
@@ -98,6 +102,18 @@ class Maker {
   const Rigid3 camera_from_map_;
   Random& random_;
 };
+
+// The features from `begin` on exchange what they see along one random cycle (Sattolo's algorithm),
+// so that none keeps its own. One alone sees `another`.
+template <typename T>
+void AssociateWrongly(std::vector<T>* features, int begin, const T& another, Random& random) {
+  const std::uint32_t count = static_cast<std::uint32_t>(features->size()) - begin;
+  if (count == 1) features->back().normalized = another.normalized;
+  for (std::uint32_t i = count; i > 1; --i) {
+    const std::uint32_t j = random.Below(i - 1);
+    std::swap((*features)[begin + i - 1].normalized, (*features)[begin + j].normalized);
+  }
+}
 
 template <typename T>
 void Shuffle(std::vector<T>* features, std::vector<std::uint8_t>* flags, Random& random) {
@@ -168,6 +184,10 @@ SyntheticProblem MakeSyntheticProblem(const SyntheticOptions& options, Random& r
   for (int i = 0; i < options.line_inliers + options.line_outliers; ++i) {
     made.line_is_inlier.push_back(i < options.line_inliers);
     made.problem.lines.push_back(maker.Line(i < options.line_inliers));
+  }
+  if (options.outliers == Outliers::kWrongAssociations) {
+    AssociateWrongly(&made.problem.points, options.point_inliers, maker.Point(true), random);
+    AssociateWrongly(&made.problem.lines, options.line_inliers, maker.Line(true), random);
   }
   Shuffle(&made.problem.points, &made.point_is_inlier, random);
   Shuffle(&made.problem.lines, &made.line_is_inlier, random);

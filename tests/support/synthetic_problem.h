@@ -14,8 +14,14 @@ namespace maploc::testing {
 
 enum class Scene { kCube, kCorridor };
 
+// What a wrong match sees: some pixel of the image, each as probable; or, as the paper makes them,
+// the image of another wrong match's landmark (one random cycle through all wrong matches of a
+// kind). The second crowd where the scene is, and agree by chance more often.
+enum class Outliers { kRandomPixels, kWrongAssociations };
+
 struct SyntheticOptions {
   Scene scene = Scene::kCube;
+  Outliers outliers = Outliers::kRandomPixels;
   int point_inliers = 50;
   int point_outliers = 0;
   int line_inliers = 0;

@@ -6,6 +6,7 @@
 
 #include "server/ransac/estimator.h"
 #include "server/refinement/confidence.h"
+#include "tests/support/repeated_pattern.h"
 #include "tests/support/seed.h"
 #include "tests/support/synthetic_problem.h"
 
@@ -58,59 +59,12 @@ TEST(Trust, RandomMatchesAreNeverBelieved) {
   RecordProperty("largest_confidence", std::to_string(largest));
 }
 
-// A facade of equal windows, seen from 8 m: each match takes a window of its own for another.
-PoseProblem RepeatedPattern(Random& random, int matches, double line_share) {
-  const Rigid3 camera_from_map = [&] {
-    Eigen::Matrix3d rotation;  // level, looking along x
-    rotation << 0, -1, 0, 0, 0, -1, 1, 0, 0;
-    return Rigid3{Eigen::Quaterniond(rotation), {0, 0, 8}};
-  }();
-  const int columns = 6 + static_cast<int>(random.Below(8));
-  const int rows = 3 + static_cast<int>(random.Below(4));
-  const std::uint32_t kinds = 1 + random.Below(8);
-  const auto corner = [&](double across, double up) {
-    const double column = random.Below(columns) - 0.5 * columns + across;
-    const double row = random.Below(rows) - 0.5 * rows + up;
-    return Eigen::Vector3d(0, column * 8.0 / columns, row * 5.0 / rows);
-  };
-  const auto see = [&](const Eigen::Vector3d& point) -> Eigen::Vector2d {
-    const double x = random.Gaussian(1.0 / 500);
-    const double y = random.Gaussian(1.0 / 500);
-    return (camera_from_map * point).hnormalized() + Eigen::Vector2d(x, y);
-  };
-  PoseProblem problem;
-  problem.focal_length_px = 500;
-  problem.gravity_sigma_rad = 0.5 * kDegree;
-  problem.gravity_in_camera = NoisyGravityInCamera(camera_from_map, 0.5 * kDegree, random);
-  for (int i = 0; i < matches; ++i) {
-    // One of `kinds` spots of some window, taken for the same spot of another.
-    const double across = random.Below(kinds) / (kinds + 1.0);
-    const double up = random.Below(2) / 2.0;
-    if (random.Uniform() < line_share) {
-      const Eigen::Vector3d along =
-          random.Below(2) == 0 ? Eigen::Vector3d(0, 0.4, 0) : Eigen::Vector3d(0, 0, 0.4);
-      const Eigen::Vector3d seen = corner(across, up);
-      LineCorrespondence line;
-      line.normalized = {see(seen), see(seen + along)};
-      line.segment_in_map.start = corner(across, up);
-      line.segment_in_map.end = line.segment_in_map.start + along;
-      problem.lines.push_back(line);
-    } else {
-      PointCorrespondence point;
-      point.normalized = see(corner(across, up));
-      point.position_in_map = corner(across, up);
-      problem.points.push_back(point);
-    }
-  }
-  return problem;
-}
-
 TEST(Trust, RepeatedPatternsAreNeverBelieved) {
   Random random = TestRandom();
   int believed = 0;
   for (int i = 0; i < 1000; ++i) {
     const int matches = 50 + static_cast<int>(random.Below(200));
-    const PoseProblem problem = RepeatedPattern(random, matches, i % 2 == 0 ? 0.0 : 0.4);
+    const PoseProblem problem = MakeRepeatedPattern({.matches = matches, .line_share = i % 2 == 0 ? 0.0 : 0.4}, random);
     const double confidence = Localize(problem, random.Next(), 300).confidence;
     believed += confidence >= kBar ? 1 : 0;
   }
