@@ -1,0 +1,29 @@
+// What the product answers to a problem: its own options, its own judgement (server/pipeline).
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "mapstore/model/matches.h"
+#include "mapstore/model/strategy.h"
+#include "server/pipeline/judge.h"
+#include "tests/experiments/experiment.h"
+
+namespace maploc::experiments {
+
+struct JudgedAnswer {
+  Verdict verdict;
+  int iterations = 0;
+  Rigid3 camera_from_map;  // where verdict.confidence > 0
+};
+
+// RANSAC with the product's defaults (10,000 iterations, 4 px, fallback on), refinement, JudgePose
+// for an image of 640 x 480 pixels. With kP3P gravity is absent, as a query without it is answered.
+JudgedAnswer AnswerAsProduct(PoseProblem problem, Strategy strategy, std::uint64_t seed);
+
+// "mixed-auto" and its like, and p3p: what the product itself answers with. INVALID_ARGUMENT for
+// any other method.
+Result<Strategy> ProductStrategy(const std::string& method);
+
+}  // namespace maploc::experiments

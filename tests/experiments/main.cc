@@ -1,0 +1,40 @@
+// maploc-experiments: the paper's experiments beside the peers. Exit code 0 done, 1 failed (one
+// line on standard error), 2 wrong usage.
+#include <algorithm>
+#include <iostream>
+
+#include "tests/experiments/commands.h"
+
+namespace maploc::experiments {
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+int Main(int argc, char** argv) {
+  CLI::App app("The paper's experiments beside the peers, in one run", "maploc-experiments");
+  app.footer("Each command's --help has an example.");
+  app.require_subcommand(1);
+  CommandContext context;
+  for (const Experiment& experiment :
+       {AccuracyExperiment(), SensitivityExperiment(), RobustnessExperiment(), TimingExperiment(),
+        FalseAcceptsExperiment(), ReliabilityExperiment()}) {
+    AddExperiment(app, context, experiment);
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kWrongUsage;
+  }
+  const Status status = context.chosen();
+  if (status.ok()) return 0;
+  std::string line = "maploc-experiments: " + status.message();
+  std::ranges::replace(line, '\n', ' ');
+  std::cerr << line << "\n";
+  return kFailed;
+}
+
+}  // namespace
+}  // namespace maploc::experiments
+
+int main(int argc, char** argv) { return maploc::experiments::Main(argc, argv); }
