@@ -20,7 +20,10 @@ class Loop {
         random_(options.seed),
         prepared_(PrepareProblem(problem, random_)),
         threshold_(options.threshold_px / problem.focal_length_px),
-        min_line_length_(kMinProjectedLinePx / problem.focal_length_px) {}
+        scoring_{
+            .threshold = static_cast<float>(threshold_),
+            .min_line_length = static_cast<float>(kMinProjectedLinePx / problem.focal_length_px)},
+        optimizer_(prepared_, false) {}
 
   int Run() {
     int iterations = 0;
@@ -48,18 +51,17 @@ class Loop {
   bool Consider(PoseMatrix pose) {
     if (!Keep(pose)) return false;
     for (const double factor : kLocalThresholds) {
-      if (!OptimizationStep(prepared_.centred, factor * threshold_, false, &pose)) break;
+      if (!optimizer_.Step(factor * threshold_, &pose)) break;
       Keep(pose);
     }
     return true;
   }
   bool Keep(const PoseMatrix& pose) {
-    const ScoringPose scoring = ToScoringPose(pose);
-    const ScoringOptions options = {static_cast<float>(threshold_),
-                                    static_cast<float>(min_line_length_)};
-    const std::size_t points = prepared_.point_arrays.x.size();
-    const double score = ScorePoints(prepared_.point_arrays, 0, points, scoring, options).score +
-                         ScoreLines(prepared_.line_arrays, scoring, options).score;
+    const ScoringPose scoring_pose = ToScoringPose(pose);
+    const PointArrays& points = prepared_.point_arrays;
+    const LineArrays& lines = prepared_.line_arrays;
+    const double score = ScorePoints(points, 0, points.x.size(), scoring_pose, scoring_).score +
+                         ScoreLines(lines, 0, lines.x.size(), scoring_pose, scoring_).score;
     if (!(score > best_score_)) return false;
     best_score_ = score;
     best_ = pose;
@@ -70,7 +72,7 @@ class Loop {
     const auto points = std::ranges::count_if(
         problem.points, [&](const auto& point) { return IsPointInlier(best_, point, threshold_); });
     const auto lines = std::ranges::count_if(problem.lines, [&](const auto& line) {
-      return IsLineInlier(best_, line, threshold_, min_line_length_);
+      return IsLineInlier(best_, line, threshold_, scoring_.min_line_length);
     });
     const double chance = chance_(static_cast<int>(problem.points.size()), static_cast<int>(points),
                                   static_cast<int>(problem.lines.size()), static_cast<int>(lines));
@@ -83,8 +85,9 @@ class Loop {
   const DrawChance& chance_;
   Random random_;
   const PreparedProblem prepared_;
-  const double threshold_;        // plane z = 1
-  const double min_line_length_;  // plane z = 1
+  const double threshold_;  // plane z = 1
+  const ScoringOptions scoring_;
+  LocalOptimizer optimizer_;
   double best_score_ = 0.0;
   PoseMatrix best_;
 };
