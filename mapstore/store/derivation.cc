@@ -1,11 +1,40 @@
 #include "mapstore/store/derivation.h"
 
 #include <algorithm>
-#include <tuple>
+#include <array>
+#include <limits>
 
+#include "mapstore/base/random.h"
 #include "mapstore/geometry/line.h"
 
 namespace maploc {
+namespace {
+
+// Sessions of a season: points fade while lines stay, then they come back, so that strategies
+// change. Written down as arithmetic, and never to be edited.
+std::vector<SegmentSessionRow> SampleRows() {
+  std::vector<SegmentSessionRow> rows;
+  for (std::int64_t i = 0; i < 24; ++i) {
+    SegmentSessionRow row;
+    row.session = "sample" + std::to_string(100 + i);
+    row.session_start_unix_ns = i;
+    row.queries = 7 + i % 5;
+    row.localized = row.queries - i % 3;
+    row.point_matches = row.localized * (90 + i);
+    row.point_inliers = row.point_matches * (8 <= i && i < 16 ? 5 : 60) / 100;
+    row.usable_line_matches = row.localized * 20;
+    row.usable_line_inliers = row.usable_line_matches * (30 + i % 4) / 100;
+    row.vertical_line_matches = row.localized * 6;
+    row.vertical_line_inliers = row.vertical_line_matches / 2;
+    row.median_point_matches = 90.0 + static_cast<double>(i);
+    row.median_usable_line_matches = 20.0;
+    row.median_vertical_line_matches = 6.0;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace
 
 void LandmarkCounter::Add(const Segment& segment) {
   ++segments_;
@@ -23,14 +52,6 @@ void LandmarkCounter::CountInto(MapSummary& summary) const {
   summary.usable_lines = static_cast<std::int64_t>(usable_lines_.size());
 }
 
-void InsertInFoldingOrder(const SegmentSessionRow& row, std::vector<SegmentSessionRow>& rows) {
-  const auto before = [](const SegmentSessionRow& a, const SegmentSessionRow& b) {
-    return std::tie(a.session_start_unix_ns, a.session) <
-           std::tie(b.session_start_unix_ns, b.session);
-  };
-  rows.insert(std::upper_bound(rows.begin(), rows.end(), row, before), row);
-}
-
 SegmentDerivation DeriveSegment(std::span<const SegmentSessionRow> rows,
                                 const std::optional<Strategy>& pinned,
                                 const SelectorOptions& options) {
@@ -42,6 +63,70 @@ SegmentDerivation DeriveSegment(std::span<const SegmentSessionRow> rows,
                       derived.statistics.localized > 0 ? prediction.ProbabilityOf(*pinned) : 0.0,
                       RankAfter(*pinned, derived.decision.ranking)};
   return derived;
+}
+
+SegmentState DeriveState(const SegmentTruth& truth) {
+  SegmentState state;
+  if (!truth.pins.empty()) state.pinned = truth.pins.back().strategy;
+  state.options = truth.options;
+  state.derived = DeriveSegment(truth.rows, state.pinned, truth.options);
+  return state;
+}
+
+std::vector<DecisionRecord> ReplayHistory(const SegmentTruth& truth) {
+  std::vector<DecisionRecord> history;
+  std::optional<Strategy> pinned;
+  std::size_t next_pin = 0;
+  const auto record = [&](std::int64_t time_unix_ns, std::string cause, std::size_t rows) {
+    SegmentDerivation derived =
+        DeriveSegment(std::span(truth.rows).first(rows), pinned, truth.options);
+    history.push_back(
+        {time_unix_ns, std::move(cause), std::move(derived.decision), derived.statistics});
+  };
+  const auto give_pins_before = [&](std::int64_t start_unix_ns, std::size_t rows) {
+    for (; next_pin < truth.pins.size(); ++next_pin) {
+      const Pin& pin = truth.pins[next_pin];
+      if (pin.time_unix_ns >= start_unix_ns) return;
+      pinned = pin.strategy;
+      record(pin.time_unix_ns, pinned ? "pin" : "unpin", rows);
+    }
+  };
+  for (std::size_t i = 0; i < truth.rows.size(); ++i) {
+    give_pins_before(truth.rows[i].session_start_unix_ns, i);
+    record(truth.ends_unix_ns[i], truth.rows[i].session, i + 1);
+  }
+  give_pins_before(std::numeric_limits<std::int64_t>::max(), truth.rows.size());
+  return history;
+}
+
+std::int64_t DerivationFingerprint() {
+  static const std::int64_t fingerprint = [] {
+    SegmentTruth truth;
+    truth.rows = SampleRows();
+    truth.ends_unix_ns.resize(truth.rows.size());
+    std::string bytes;
+    for (const DecisionRecord& record : ReplayHistory(truth)) {
+      const SegmentStatistics& sums = record.statistics;
+      const std::array numbers = {sums.point_matches,
+                                  sums.point_inliers,
+                                  sums.usable_line_inliers,
+                                  sums.vertical_line_inliers,
+                                  sums.weighted_queries,
+                                  sums.weighted_localized,
+                                  sums.independent_points,
+                                  sums.independent_usable_lines,
+                                  sums.independent_vertical_lines,
+                                  sums.typical_point_matches,
+                                  sums.typical_usable_line_matches,
+                                  sums.typical_vertical_line_matches,
+                                  record.decision.predicted_success};
+      bytes.append(reinterpret_cast<const char*>(numbers.data()), sizeof(numbers));
+      for (const Strategy strategy : record.decision.ranking) bytes += StrategyName(strategy);
+      bytes += record.decision.reason;
+    }
+    return static_cast<std::int64_t>(HashBytes(bytes));
+  }();
+  return fingerprint;
 }
 
 SessionSummary SummarizeSession(const SessionId& id, SessionEnd end,

@@ -32,10 +32,43 @@ class LandmarkCounter {
 struct SegmentDerivation {
   SegmentStatistics statistics;
   StrategyDecision decision;
+  bool operator==(const SegmentDerivation&) const = default;
 };
 
-// Puts a new row where it belongs among the older ones: by start, then session.
-void InsertInFoldingOrder(const SegmentSessionRow& row, std::vector<SegmentSessionRow>& rows);
+// An operator's word about a segment.
+struct Pin {
+  std::int64_t time_unix_ns = 0;
+  std::optional<Strategy> strategy;  // nullopt: given back to the selector
+};
+
+// All that is true of a segment. Everything that a store tells of it is a function of this value,
+// so that neither the order in which sessions ended nor one that was revoked leaves a trace.
+struct SegmentTruth {
+  std::vector<SegmentSessionRow> rows;     // of unrevoked sessions, in folding order
+  std::vector<std::int64_t> ends_unix_ns;  // of their sessions, one a row
+  std::vector<Pin> pins;                   // in the order in which they were given
+  SelectorOptions options;  // of the newest row; without rows of the last pin; else the reader's
+  bool empty() const { return rows.empty() && pins.empty(); }
+};
+
+// What is in force for a segment.
+struct SegmentState {
+  SegmentDerivation derived;
+  std::optional<Strategy> pinned;
+  SelectorOptions options;
+  bool operator==(const SegmentState&) const = default;
+};
+
+SegmentState DeriveState(const SegmentTruth& truth);
+
+// The history that this truth would have had, had every session ended in the order of their starts:
+// one decision a row and one a pin, which comes after the sessions that started before it. The last
+// one is in force.
+std::vector<DecisionRecord> ReplayHistory(const SegmentTruth& truth);
+
+// A hash of what the derivation makes of rows that never change. A store keeps it: where it differs
+// (another version of the selector, another compiler) statistics and strategies are derived anew.
+std::int64_t DerivationFingerprint();
 
 // REQUIRES: rows in folding order. A pin overrules the selector, whose choice its reason tells.
 SegmentDerivation DeriveSegment(std::span<const SegmentSessionRow> rows,

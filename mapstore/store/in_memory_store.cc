@@ -13,13 +13,18 @@
 namespace maploc {
 namespace {
 
+// A session's row with the options that its end was counted with.
+struct StoredRow {
+  SegmentSessionRow row;
+  SelectorOptions options;
+};
+
 struct StoredSegment {
   std::shared_ptr<const Segment> segment;
-  std::vector<SegmentSessionRow> rows;  // in folding order
-  SegmentDerivation derived;
-  std::optional<Strategy> pinned;
-  SelectorOptions options;
-  std::vector<DecisionRecord> decisions;
+  std::map<std::pair<std::int64_t, SessionId>, StoredRow> rows;  // in folding order, also revoked
+  std::vector<Pin> pins;
+  SelectorOptions pin_options;  // of the last pin
+  SegmentState state;
 };
 
 struct StoredMap {
@@ -61,6 +66,8 @@ class InMemoryStore : public MapStore {
   Result<std::vector<Observation>> ListObservations(const SessionId& id) const override;
   Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end, std::int64_t end_unix_ns,
                                     std::span<const Observation> last) override;
+  Status RevokeSession(const SessionId& id) override { return SetRevoked(id, true); }
+  Status ReinstateSession(const SessionId& id) override { return SetRevoked(id, false); }
   Result<std::vector<SegmentSessionRow>> ListRows(const MapKey& key, SegmentId id) const override;
   Result<std::vector<DecisionRecord>> ListDecisions(const MapKey& key, SegmentId id) const override;
   Status PinStrategy(const MapKey& key, SegmentId id, std::optional<Strategy> pinned) override;
@@ -76,9 +83,10 @@ class InMemoryStore : public MapStore {
   // REQUIRES: mutex_ is held (all of them).
   Result<const StoredMap*> FindMap(const MapKey& key) const;
   Result<const StoredSegment*> FindSegment(const MapKey& key, SegmentId id) const;
+  Status SetRevoked(const SessionId& id, bool revoked);
   Status CheckObservations(const Session& session, std::span<const Observation> observations) const;
-  void Learn(StoredSegment& segment, const SegmentSessionRow& row, std::int64_t time_unix_ns,
-             SessionSummary::SegmentChange& change);
+  SegmentTruth TruthOf(const StoredSegment& segment) const;
+  void Derive(StoredSegment& segment) const { segment.state = DeriveState(TruthOf(segment)); }
 
   const StoreOptions options_;
   mutable std::mutex mutex_;
@@ -107,8 +115,9 @@ class InMemoryWriter : public MapWriter {
     auto copy = std::make_shared<Segment>(segment);
     copy->map = key_;
     counter_.Add(segment);
-    map_.segments.push_back({std::move(copy), {}, {}, {}, store_.selector(), {}});
-    map_.segments.back().derived = DeriveSegment({}, {}, store_.selector());
+    SegmentTruth nothing;
+    nothing.options = store_.selector();
+    map_.segments.push_back({std::move(copy), {}, {}, {}, DeriveState(nothing)});
     return Status::Ok();
   }
 
@@ -137,10 +146,10 @@ SegmentSummary Summarize(const StoredSegment& stored) {
   summary.lines = segment.lines.size();
   summary.usable_lines = CountUsableLines(segment.lines);
   summary.path_in_map = segment.path_in_map;
-  summary.statistics = stored.derived.statistics;
-  summary.decision = stored.derived.decision;
-  summary.pinned = stored.pinned;
-  summary.selector = stored.options;
+  summary.statistics = stored.state.derived.statistics;
+  summary.decision = stored.state.derived.decision;
+  summary.pinned = stored.state.pinned;
+  summary.selector = stored.state.options;
   return summary;
 }
 
@@ -303,15 +312,33 @@ Result<std::vector<Observation>> InMemoryStore::ListObservations(const SessionId
   return InOrder(found->second.observations);
 }
 
-void InMemoryStore::Learn(StoredSegment& segment, const SegmentSessionRow& row,
-                          std::int64_t time_unix_ns, SessionSummary::SegmentChange& change) {
-  InsertInFoldingOrder(row, segment.rows);
-  change.strategy_before = segment.derived.decision.strategy;
-  segment.options = options_.selector;
-  segment.derived = DeriveSegment(segment.rows, segment.pinned, segment.options);
-  change.strategy_after = segment.derived.decision.strategy;
-  segment.decisions.push_back(
-      {time_unix_ns, row.session, segment.derived.decision, segment.derived.statistics});
+SegmentTruth InMemoryStore::TruthOf(const StoredSegment& segment) const {
+  SegmentTruth truth;
+  truth.options = segment.pins.empty() ? options_.selector : segment.pin_options;
+  truth.pins = segment.pins;
+  for (const auto& [order, stored] : segment.rows) {
+    const Session& session = sessions_.at(stored.row.session).session;
+    if (session.revoked) continue;
+    truth.rows.push_back(stored.row);
+    truth.ends_unix_ns.push_back(session.end_unix_ns);
+    truth.options = stored.options;
+  }
+  return truth;
+}
+
+Status InMemoryStore::SetRevoked(const SessionId& id, bool revoked) {
+  const std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(id);
+  if (found == sessions_.end()) return UnknownSession(id);
+  Session& session = found->second.session;
+  if (session.revoked == revoked) return Status::Ok();
+  session.revoked = revoked;
+  StoredMap& map = maps_.at(session.map);
+  for (const SessionSummary::SegmentChange& visited : found->second.summary.segments) {
+    Derive(map.segments[static_cast<std::size_t>(visited.segment)]);
+  }
+  ++change_counter_;
+  return Status::Ok();
 }
 
 Result<SessionSummary> InMemoryStore::EndSession(const SessionId& id, SessionEnd end,
@@ -329,13 +356,17 @@ Result<SessionSummary> InMemoryStore::EndSession(const SessionId& id, SessionEnd
   const std::vector<Observation> observations = InOrder(stored.observations);
   const auto rows = FoldObservations(stored.session, observations);
   stored.summary = SummarizeSession(id, end, observations, rows);
-  StoredMap& map = maps_.at(stored.session.map);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    Learn(map.segments[static_cast<std::size_t>(rows[i].segment)], rows[i], end_unix_ns,
-          stored.summary.segments[i]);
-  }
   stored.session.end = end;
   stored.session.end_unix_ns = end_unix_ns;
+  StoredMap& map = maps_.at(stored.session.map);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    StoredSegment& segment = map.segments[static_cast<std::size_t>(rows[i].segment)];
+    SessionSummary::SegmentChange& change = stored.summary.segments[i];
+    change.strategy_before = segment.state.derived.decision.strategy;
+    segment.rows[{rows[i].session_start_unix_ns, id}] = {rows[i], options_.selector};
+    Derive(segment);
+    change.strategy_after = segment.state.derived.decision.strategy;
+  }
   ++change_counter_;
   return stored.summary;
 }
@@ -344,14 +375,14 @@ Result<std::vector<SegmentSessionRow>> InMemoryStore::ListRows(const MapKey& key
                                                                SegmentId id) const {
   const std::lock_guard lock(mutex_);
   MAPLOC_ASSIGN_OR_RETURN(const StoredSegment* segment, FindSegment(key, id));
-  return segment->rows;
+  return TruthOf(*segment).rows;
 }
 
 Result<std::vector<DecisionRecord>> InMemoryStore::ListDecisions(const MapKey& key,
                                                                  SegmentId id) const {
   const std::lock_guard lock(mutex_);
   MAPLOC_ASSIGN_OR_RETURN(const StoredSegment* segment, FindSegment(key, id));
-  return segment->decisions;
+  return ReplayHistory(TruthOf(*segment));
 }
 
 Status InMemoryStore::PinStrategy(const MapKey& key, SegmentId id, std::optional<Strategy> pinned) {
@@ -359,11 +390,10 @@ Status InMemoryStore::PinStrategy(const MapKey& key, SegmentId id, std::optional
   const std::lock_guard lock(mutex_);
   MAPLOC_RETURN_IF_ERROR(FindSegment(key, id).status());
   StoredSegment& segment = maps_.at(key).segments[static_cast<std::size_t>(id)];
-  if (segment.pinned == pinned) return Status::Ok();
-  segment.pinned = pinned;
-  segment.derived = DeriveSegment(segment.rows, pinned, segment.options);
-  segment.decisions.push_back({SystemClock().NowUnixNanos(), pinned ? "pin" : "unpin",
-                               segment.derived.decision, segment.derived.statistics});
+  if (segment.state.pinned == pinned) return Status::Ok();
+  segment.pins.push_back({SystemClock().NowUnixNanos(), pinned});
+  segment.pin_options = options_.selector;
+  Derive(segment);
   ++change_counter_;
   return Status::Ok();
 }
@@ -378,9 +408,7 @@ Status InMemoryStore::Verify() const {
   for (const auto& [key, map] : maps_) {
     for (const StoredSegment& segment : map.segments) {
       MAPLOC_RETURN_IF_ERROR(ValidateSegment(map.summary.info, *segment.segment));
-      const auto derived = DeriveSegment(segment.rows, segment.pinned, segment.options);
-      if (derived.statistics != segment.derived.statistics ||
-          derived.decision != segment.derived.decision) {
+      if (DeriveState(TruthOf(segment)) != segment.state) {
         return Status(StatusCode::kDataLoss, "DAMAGED_STORE",
                       "map '" + key.name + "' segment " + std::to_string(segment.segment->id) +
                           ": its statistics differ from its sessions' rows");

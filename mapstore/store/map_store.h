@@ -43,8 +43,8 @@ struct SegmentSummary {
 
 // One entry of a segment's history of decisions.
 struct DecisionRecord {
-  std::int64_t time_unix_ns = 0;
-  std::string cause;  // the session's id, "pin" or "unpin"
+  std::int64_t time_unix_ns = 0;  // the end of the session; when the pin was given
+  std::string cause;              // the session's id, "pin" or "unpin"
   StrategyDecision decision;
   SegmentStatistics statistics;  // at that time
   bool operator==(const DecisionRecord&) const = default;
@@ -112,14 +112,25 @@ class MapStore {
   virtual Result<std::vector<Observation>> ListObservations(const SessionId& id) const = 0;
   // ONE transaction: `last` is appended (idempotent), the session's observations fold into rows,
   // the visited segments' statistics and strategies are derived anew, the summary is kept.
-  // Repeated: the kept summary, and nothing changes.
+  // Repeated: the kept summary, and nothing changes. What segments then know and have decided
+  // depends on the sessions that have ended, not on the order in which they did.
   virtual Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end,
                                             std::int64_t end_unix_ns,
                                             std::span<const Observation> last) = 0;
+  // ONE transaction: from now on the session counts nowhere, and every statistic, decision and
+  // history is what it would be had the session never been, to the bit; its observations and its
+  // summary stay. Pins stay. An open session goes on and will not count when it ends. Repeated:
+  // nothing changes.
+  virtual Status RevokeSession(const SessionId& id) = 0;
+  // Takes a revoke back: all is as if it had never been revoked.
+  virtual Status ReinstateSession(const SessionId& id) = 0;
   // A segment's unrevoked rows in folding order (start, session).
   virtual Result<std::vector<SegmentSessionRow>> ListRows(const MapKey& key,
                                                           SegmentId id) const = 0;
-  // Every decision about a segment, oldest first.
+  // The decisions about a segment, oldest first: one after each unrevoked session and one for each
+  // pin, as they follow from the sessions in the order of their starts (a pin comes after those
+  // that started before it). A session that ends late takes its place among them. The last one is
+  // in force.
   virtual Result<std::vector<DecisionRecord>> ListDecisions(const MapKey& key,
                                                             SegmentId id) const = 0;
   // Fixes a segment's strategy, or gives it back to the selector (nullopt).

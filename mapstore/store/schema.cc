@@ -153,7 +153,7 @@ CREATE INDEX decisions_by_segment ON decisions (map, segment, id);
 )sql";
 
 // The selector looks at the posterior, ranks all strategies and knows what draws yield. Options of
-// version 1 get the defaults below; its decisions are derived anew with them (sqlite_file.cc).
+// version 1 get the defaults below; its decisions are derived anew with them.
 constexpr std::string_view kVersion2 = R"sql(
 ALTER TABLE selector_options ADD COLUMN independent_queries_per_session REAL NOT NULL DEFAULT 20;
 ALTER TABLE selector_options ADD COLUMN criterion INTEGER NOT NULL DEFAULT 1 CHECK (criterion IN (1, 2));
@@ -173,7 +173,64 @@ ALTER TABLE decisions ADD COLUMN independent_usable_lines REAL NOT NULL DEFAULT 
 ALTER TABLE decisions ADD COLUMN independent_vertical_lines REAL NOT NULL DEFAULT 0;
 )sql";
 
-constexpr std::array kMigrations = {kVersion1, kVersion2};
+// What is in force follows from the rows, the pins and the options alone, and so does the history:
+// it is no longer kept as it grew, but derived (OpenStoreFile fills segment_states, because the
+// fingerprint 0 is nobody's). A row's options were those of the decision that it caused.
+constexpr std::string_view kVersion3 = R"sql(
+INSERT INTO meta VALUES ('derivation_fingerprint', 0);
+
+ALTER TABLE segment_sessions ADD COLUMN options INTEGER REFERENCES selector_options (id);
+UPDATE segment_sessions SET options = (
+  SELECT d.options FROM decisions d
+  WHERE d.map = segment_sessions.map AND d.segment = segment_sessions.segment
+    AND d.cause = segment_sessions.session
+  ORDER BY d.id DESC LIMIT 1);
+
+CREATE TABLE pins (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  map INTEGER NOT NULL,
+  segment INTEGER NOT NULL,
+  time_unix_ns INTEGER NOT NULL,
+  strategy INTEGER CHECK (strategy BETWEEN 1 AND 3),
+  options INTEGER NOT NULL REFERENCES selector_options (id),
+  FOREIGN KEY (map, segment) REFERENCES segments (map, segment)
+) STRICT;
+CREATE INDEX pins_by_segment ON pins (map, segment, id);
+INSERT INTO pins (map, segment, time_unix_ns, strategy, options)
+  SELECT d.map, d.segment, d.time_unix_ns, d.pinned, d.options FROM decisions d
+  WHERE d.cause IN ('pin', 'unpin') AND NOT EXISTS (
+    SELECT 1 FROM sessions s WHERE s.id = d.cause AND s.end_unix_ns = d.time_unix_ns)
+  ORDER BY d.id;
+DROP TABLE decisions;
+
+CREATE TABLE segment_states (
+  map INTEGER NOT NULL,
+  segment INTEGER NOT NULL,
+  options INTEGER NOT NULL REFERENCES selector_options (id),
+  pinned INTEGER CHECK (pinned BETWEEN 1 AND 3),
+  strategy INTEGER NOT NULL CHECK (strategy BETWEEN 1 AND 3),
+  second_choice INTEGER NOT NULL CHECK (second_choice BETWEEN 1 AND 3),
+  third_choice INTEGER NOT NULL CHECK (third_choice BETWEEN 1 AND 3),
+  source INTEGER NOT NULL CHECK (source BETWEEN 1 AND 3),
+  reason TEXT NOT NULL,
+  predicted_success REAL NOT NULL,
+  sessions INTEGER NOT NULL, queries INTEGER NOT NULL, localized INTEGER NOT NULL,
+  point_matches REAL NOT NULL, point_inliers REAL NOT NULL,
+  usable_line_matches REAL NOT NULL, usable_line_inliers REAL NOT NULL,
+  vertical_line_matches REAL NOT NULL, vertical_line_inliers REAL NOT NULL,
+  typical_point_matches REAL NOT NULL,
+  typical_usable_line_matches REAL NOT NULL,
+  typical_vertical_line_matches REAL NOT NULL,
+  weighted_queries REAL NOT NULL, weighted_localized REAL NOT NULL,
+  independent_points REAL NOT NULL,
+  independent_usable_lines REAL NOT NULL,
+  independent_vertical_lines REAL NOT NULL,
+  PRIMARY KEY (map, segment),
+  FOREIGN KEY (map, segment) REFERENCES segments (map, segment)
+) STRICT, WITHOUT ROWID;
+)sql";
+
+constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3};
 
 }  // namespace
 

@@ -1,12 +1,14 @@
 #include "mapstore/store/sqlite_file.h"
 
 #include <array>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "mapstore/store/schema.h"
-#include "mapstore/store/sqlite_learning.h"
+#include "mapstore/store/sqlite_states.h"
 #include "mapstore/store/sqlite_store.h"
 
 namespace maploc {
@@ -78,8 +80,7 @@ Result<std::int64_t> UserVersion(SqliteDatabase& database) {
   return row ? statement.Int(0) : 0;
 }
 
-// In one transaction, so that a store is of one version or of the next. A version may also derive
-// decisions in its own way; those in force are derived anew. The application id is
+// In one transaction, so that a store is of one version or of the next. The application id is
 // written with the first, before the write-ahead log is turned on, so that CheckHeader finds it in
 // the main file.
 Status Migrate(SqliteDatabase& database) {
@@ -92,11 +93,35 @@ Status Migrate(SqliteDatabase& database) {
     MAPLOC_RETURN_IF_ERROR(
         database.Execute(std::string(StoreMigrations()[static_cast<std::size_t>(i)])));
   }
-  if (version > 0) MAPLOC_RETURN_IF_ERROR(DeriveDecisionsAnew(database, "migration"));
+  MAPLOC_RETURN_IF_ERROR(DeriveAllAnew(database));
   MAPLOC_RETURN_IF_ERROR(
       database.Execute("PRAGMA application_id = " + std::to_string(kStoreApplicationId)));
   MAPLOC_RETURN_IF_ERROR(
       database.Execute("PRAGMA user_version = " + std::to_string(StoreSchemaVersion())));
+  return transaction.Commit();
+}
+
+// For the change of mode SQLite does not wait as it does for other locks, so it is waited for here.
+Status TurnOnWriteAheadLog(SqliteDatabase& database, int busy_timeout_ms) {
+  const auto give_up =
+      std::chrono::steady_clock::now() + std::chrono::milliseconds(busy_timeout_ms);
+  while (true) {
+    const Status status = database.Execute("PRAGMA journal_mode = WAL");
+    const bool late = std::chrono::steady_clock::now() >= give_up;
+    if (status.code() != StatusCode::kUnavailable || late) return status;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+}
+
+// Statistics and strategies that another version of this program derived from the same rows.
+Status DeriveAnewIfStale(SqliteDatabase& database) {
+  MAPLOC_ASSIGN_OR_RETURN(const bool stale, IsStale(database));
+  if (!stale) return Status::Ok();
+  MAPLOC_ASSIGN_OR_RETURN(auto transaction,
+                          SqliteTransaction::Begin(database, SqliteTransaction::Kind::kWrite));
+  MAPLOC_ASSIGN_OR_RETURN(const bool still_stale, IsStale(database));
+  if (!still_stale) return Status::Ok();
+  MAPLOC_RETURN_IF_ERROR(DeriveAllAnew(database));
   return transaction.Commit();
 }
 
@@ -110,7 +135,8 @@ Result<SqliteDatabase> OpenStoreFile(const std::string& path, const SqliteStoreO
                           SqliteDatabase::Open(path, access, options.busy_timeout_ms));
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t version, UserVersion(database));
   if (version != StoreSchemaVersion()) MAPLOC_RETURN_IF_ERROR(Migrate(database));
-  MAPLOC_RETURN_IF_ERROR(database.Execute("PRAGMA journal_mode = WAL"));
+  MAPLOC_RETURN_IF_ERROR(TurnOnWriteAheadLog(database, options.busy_timeout_ms));
+  MAPLOC_RETURN_IF_ERROR(DeriveAnewIfStale(database));
   return database;
 }
 

@@ -1,5 +1,5 @@
-// What changes statistics and strategies in SQLite: the end of a session, and a pin. Each is one
-// transaction.
+// What changes statistics and strategies in SQLite: the end of a session, a revoke, a pin. Each is
+// one transaction.
 #pragma once
 
 #include <optional>
@@ -13,11 +13,9 @@ namespace maploc {
 Result<SessionSummary> EndSqliteSession(SqliteConnections& connections, const SessionId& id,
                                         SessionEnd end, std::int64_t end_unix_ns,
                                         std::span<const Observation> last);
+// Revokes a session, or reinstates it.
+Status SetSqliteSessionRevoked(SqliteConnections& connections, const SessionId& id, bool revoked);
 Status PinSqliteStrategy(SqliteConnections& connections, const MapKey& key, SegmentId id,
                          std::optional<Strategy> pinned);
-
-// Derives every segment's statistics and strategy from its rows, with the options that are in force
-// for it; what differs becomes a decision with this cause. REQUIRES: a write transaction.
-Status DeriveDecisionsAnew(SqliteDatabase& database, const std::string& cause);
 
 }  // namespace maploc

@@ -25,7 +25,7 @@ Result<StoredMap> ReadMap(SqliteDatabase& database, const MapKey& key);
 // The key of a published version by its row.
 Result<MapKey> ReadMapKey(SqliteDatabase& database, std::int64_t row_id);
 
-// Without the statistics (sqlite_decisions.h). NOT_FOUND.
+// Without the statistics (sqlite_states.h). NOT_FOUND.
 Result<SegmentSummary> ReadSegmentCounts(SqliteDatabase& database, const StoredMap& map,
                                          SegmentId id);
 // NOT_FOUND unless the segment is there.

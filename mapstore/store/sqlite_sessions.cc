@@ -70,6 +70,7 @@ constexpr std::string_view kRowColumns =
     "r.point_inliers, r.usable_line_matches, r.usable_line_inliers, r.vertical_line_matches, "
     "r.vertical_line_inliers, r.median_point_matches, r.median_usable_line_matches, "
     "r.median_vertical_line_matches";
+constexpr int kRowColumnCount = 14;
 
 SegmentSessionRow RowAt(const SqliteStatement& statement) {
   SegmentSessionRow row;
@@ -88,15 +89,6 @@ SegmentSessionRow RowAt(const SqliteStatement& statement) {
   row.median_usable_line_matches = statement.Real(12);
   row.median_vertical_line_matches = statement.Real(13);
   return row;
-}
-
-Result<std::vector<SegmentSessionRow>> CollectRows(SqliteStatement& statement) {
-  std::vector<SegmentSessionRow> rows;
-  while (true) {
-    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
-    if (!row) return rows;
-    rows.push_back(RowAt(statement));
-  }
 }
 
 }  // namespace
@@ -137,6 +129,11 @@ Result<std::vector<Session>> ReadSessions(SqliteDatabase& database) {
     sessions.push_back(SessionAt(statement));
     MAPLOC_RETURN_IF_ERROR(ReadLabels(database, sessions.back()));
   }
+}
+
+Status MarkRevoked(SqliteDatabase& database, const SessionId& id, bool revoked) {
+  SqliteStatement statement(database, "UPDATE sessions SET revoked = ?2 WHERE id = ?1");
+  return statement.Bind(id, revoked).Run();
 }
 
 Status CloseSession(SqliteDatabase& database, const SessionSummary& summary,
@@ -208,32 +205,48 @@ Result<std::vector<Observation>> ReadObservations(SqliteDatabase& database, cons
 }
 
 Status InsertRow(SqliteDatabase& database, std::int64_t map, const SegmentSessionRow& row,
-                 const SessionSummary::SegmentChange& change) {
+                 std::int64_t options) {
   SqliteStatement insert(
       database,
       "INSERT INTO segment_sessions (map, segment, session, queries, localized, point_matches, "
       "point_inliers, usable_line_matches, usable_line_inliers, vertical_line_matches, "
       "vertical_line_inliers, median_point_matches, median_usable_line_matches, "
-      "median_vertical_line_matches, strategy_before, strategy_after) VALUES (?1, ?2, ?3, ?4, ?5, "
-      "?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)");
+      "median_vertical_line_matches, strategy_before, strategy_after, options) VALUES (?1, ?2, ?3, "
+      "?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, 3, 3, ?15)");
   return insert
       .Bind(map, row.segment, row.session, row.queries, row.localized, row.point_matches,
             row.point_inliers, row.usable_line_matches, row.usable_line_inliers,
             row.vertical_line_matches, row.vertical_line_inliers, row.median_point_matches,
-            row.median_usable_line_matches, row.median_vertical_line_matches,
-            static_cast<std::int64_t>(change.strategy_before),
+            row.median_usable_line_matches, row.median_vertical_line_matches, options)
+      .Run();
+}
+
+Status KeepStrategies(SqliteDatabase& database, std::int64_t map, const SessionId& id,
+                      const SessionSummary::SegmentChange& change) {
+  SqliteStatement update(database,
+                         "UPDATE segment_sessions SET strategy_before = ?4, strategy_after = ?5 "
+                         "WHERE map = ?1 AND segment = ?2 AND session = ?3");
+  return update
+      .Bind(map, change.segment, id, static_cast<std::int64_t>(change.strategy_before),
             static_cast<std::int64_t>(change.strategy_after))
       .Run();
 }
 
-Result<std::vector<SegmentSessionRow>> ReadRows(SqliteDatabase& database, std::int64_t map,
-                                                SegmentId id) {
+Result<std::vector<StoredRow>> ReadRows(SqliteDatabase& database, std::int64_t map, SegmentId id) {
   SqliteStatement statement(database,
                             "SELECT " + std::string(kRowColumns) +
-                                " FROM segment_sessions r JOIN sessions s ON s.id = r.session "
+                                ", s.end_unix_ns, r.options "
+                                "FROM segment_sessions r JOIN sessions s ON s.id = r.session "
                                 "WHERE r.map = ?1 AND r.segment = ?2 AND s.revoked = 0 "
                                 "ORDER BY s.start_unix_ns, s.id");
-  return CollectRows(statement.Bind(map, id));
+  statement.Bind(map, id);
+  std::vector<StoredRow> rows;
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+    if (!row) return rows;
+    rows.push_back(
+        {RowAt(statement), statement.Int(kRowColumnCount), statement.Int(kRowColumnCount + 1)});
+  }
 }
 
 Result<std::vector<SegmentSessionRow>> ReadRowsOfSession(SqliteDatabase& database,
@@ -242,7 +255,13 @@ Result<std::vector<SegmentSessionRow>> ReadRowsOfSession(SqliteDatabase& databas
                             "SELECT " + std::string(kRowColumns) +
                                 " FROM segment_sessions r JOIN sessions s ON s.id = r.session "
                                 "WHERE r.session = ?1 ORDER BY r.segment");
-  return CollectRows(statement.Bind(id));
+  statement.Bind(id);
+  std::vector<SegmentSessionRow> rows;
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+    if (!row) return rows;
+    rows.push_back(RowAt(statement));
+  }
 }
 
 }  // namespace maploc

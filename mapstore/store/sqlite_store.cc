@@ -1,11 +1,11 @@
 #include "mapstore/store/sqlite_store.h"
 
 #include "mapstore/store/sqlite_connections.h"
-#include "mapstore/store/sqlite_decisions.h"
 #include "mapstore/store/sqlite_import.h"
 #include "mapstore/store/sqlite_learning.h"
 #include "mapstore/store/sqlite_maps.h"
 #include "mapstore/store/sqlite_sessions.h"
+#include "mapstore/store/sqlite_states.h"
 #include "mapstore/store/sqlite_verify.h"
 #include "mapstore/store/validation.h"
 
@@ -36,6 +36,8 @@ class SqliteStore : public MapStore {
   Result<std::vector<Observation>> ListObservations(const SessionId& id) const override;
   Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end, std::int64_t end_unix_ns,
                                     std::span<const Observation> last) override;
+  Status RevokeSession(const SessionId& id) override;
+  Status ReinstateSession(const SessionId& id) override;
   Result<std::vector<SegmentSessionRow>> ListRows(const MapKey& key, SegmentId id) const override;
   Result<std::vector<DecisionRecord>> ListDecisions(const MapKey& key, SegmentId id) const override;
   Status PinStrategy(const MapKey& key, SegmentId id, std::optional<Strategy> pinned) override;
@@ -43,6 +45,7 @@ class SqliteStore : public MapStore {
   Status Verify() const override;
 
  private:
+  Result<SegmentTruth> TruthOf(const MapKey& key, SegmentId id) const;
   Result<SegmentSummary> ReadSummaryOf(SqliteDatabase& database, const StoredMap& map,
                                        SegmentId id) const;
 
@@ -172,20 +175,31 @@ Result<SessionSummary> SqliteStore::EndSession(const SessionId& id, SessionEnd e
   return EndSqliteSession(*connections_, id, end, end_unix_ns, last);
 }
 
-Result<std::vector<SegmentSessionRow>> SqliteStore::ListRows(const MapKey& key,
-                                                             SegmentId id) const {
+Status SqliteStore::RevokeSession(const SessionId& id) {
+  return SetSqliteSessionRevoked(*connections_, id, true);
+}
+
+Status SqliteStore::ReinstateSession(const SessionId& id) {
+  return SetSqliteSessionRevoked(*connections_, id, false);
+}
+
+Result<SegmentTruth> SqliteStore::TruthOf(const MapKey& key, SegmentId id) const {
   MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
   MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(reader.database(), key));
   MAPLOC_RETURN_IF_ERROR(RequireSegment(reader.database(), map, id));
-  return ReadRows(reader.database(), map.row_id, id);
+  return ReadTruth(reader.database(), map.row_id, id, connections_->options().selector);
+}
+
+Result<std::vector<SegmentSessionRow>> SqliteStore::ListRows(const MapKey& key,
+                                                             SegmentId id) const {
+  MAPLOC_ASSIGN_OR_RETURN(SegmentTruth truth, TruthOf(key, id));
+  return std::move(truth.rows);
 }
 
 Result<std::vector<DecisionRecord>> SqliteStore::ListDecisions(const MapKey& key,
                                                                SegmentId id) const {
-  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
-  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(reader.database(), key));
-  MAPLOC_RETURN_IF_ERROR(RequireSegment(reader.database(), map, id));
-  return ReadDecisions(reader.database(), map.row_id, id);
+  MAPLOC_ASSIGN_OR_RETURN(const SegmentTruth truth, TruthOf(key, id));
+  return ReplayHistory(truth);
 }
 
 Status SqliteStore::PinStrategy(const MapKey& key, SegmentId id, std::optional<Strategy> pinned) {

@@ -1,9 +1,9 @@
 #include "mapstore/store/sqlite_verify.h"
 
 #include "mapstore/store/derivation.h"
-#include "mapstore/store/sqlite_decisions.h"
 #include "mapstore/store/sqlite_maps.h"
 #include "mapstore/store/sqlite_sessions.h"
+#include "mapstore/store/sqlite_states.h"
 
 namespace maploc {
 namespace {
@@ -36,6 +36,25 @@ Status CheckIntegrity(SqliteDatabase& database) {
   return Status::Ok();
 }
 
+// What is kept of a segment is what its sessions' rows and its pins say, to the bit.
+Status CheckState(SqliteDatabase& database, const StoredMap& map, SegmentId id) {
+  const SelectorOptions defaults;
+  MAPLOC_ASSIGN_OR_RETURN(const SegmentState kept,
+                          ReadSegmentState(database, map.row_id, id, defaults));
+  MAPLOC_ASSIGN_OR_RETURN(const SegmentTruth truth, ReadTruth(database, map.row_id, id, defaults));
+  const SegmentState derived = DeriveState(truth);
+  if (derived.derived.statistics != kept.derived.statistics) {
+    return Broken(database, NameOf(map, id) + ": its statistics differ from its sessions' rows");
+  }
+  if (derived.derived.decision != kept.derived.decision) {
+    return Broken(database, NameOf(map, id) + ": its strategy differs from its sessions' rows");
+  }
+  if (derived.pinned != kept.pinned || derived.options != kept.options) {
+    return Broken(database, NameOf(map, id) + ": its pin or its options differ from what was set");
+  }
+  return Status::Ok();
+}
+
 Status CheckSegment(SqliteDatabase& database, const StoredMap& map, SegmentId id,
                     LandmarkCounter& counter) {
   MAPLOC_ASSIGN_OR_RETURN(const auto segment, ReadSegment(database, map, id));
@@ -44,17 +63,7 @@ Status CheckSegment(SqliteDatabase& database, const StoredMap& map, SegmentId id
     return Broken(database, NameOf(map, id) + ": its count of usable lines is wrong");
   }
   counter.Add(*segment);
-  MAPLOC_ASSIGN_OR_RETURN(const SegmentState state,
-                          ReadSegmentState(database, map.row_id, id, SelectorOptions{}));
-  MAPLOC_ASSIGN_OR_RETURN(const auto rows, ReadRows(database, map.row_id, id));
-  const SegmentDerivation derived = DeriveSegment(rows, state.pinned, state.options);
-  if (derived.statistics != state.derived.statistics) {
-    return Broken(database, NameOf(map, id) + ": its statistics differ from its sessions' rows");
-  }
-  if (derived.decision != state.derived.decision) {
-    return Broken(database, NameOf(map, id) + ": its strategy differs from its sessions' rows");
-  }
-  return Status::Ok();
+  return CheckState(database, map, id);
 }
 
 Status CheckMap(SqliteDatabase& database, const StoredMap& map) {

@@ -47,6 +47,8 @@ class ForwardingStore : public MapStore {
                                     std::span<const Observation> last) override {
     return store_->EndSession(id, end, end_unix_ns, last);
   }
+  Status RevokeSession(const SessionId& id) override { return store_->RevokeSession(id); }
+  Status ReinstateSession(const SessionId& id) override { return store_->ReinstateSession(id); }
   Result<std::vector<SegmentSessionRow>> ListRows(const MapKey& key, SegmentId id) const override {
     return store_->ListRows(key, id);
   }

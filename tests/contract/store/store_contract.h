@@ -21,13 +21,13 @@ inline std::string NameOf(const ::testing::TestParamInfo<StoreKind>& kind) {
 class StoreContract : public ::testing::TestWithParam<StoreKind> {
  protected:
   void SetUp() override { Open(); }
-  void Open() {
+  void Open(const std::string& file = "store.db") {
     store_.reset();
     if (GetParam() == StoreKind::kInMemory) {
       store_ = NewInMemoryStore();
       return;
     }
-    auto opened = OpenSqliteStore(folder_.File("store.db"));
+    auto opened = OpenSqliteStore(folder_.File(file));
     ASSERT_TRUE(opened.ok()) << opened.status().ToString();
     store_ = std::move(*opened);
   }

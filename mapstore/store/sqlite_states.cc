@@ -1,0 +1,261 @@
+#include "mapstore/store/sqlite_states.h"
+
+#include <utility>
+#include <vector>
+
+#include "mapstore/store/sqlite_sessions.h"
+
+namespace maploc {
+namespace {
+
+constexpr std::string_view kStateColumns =
+    "d.strategy, d.source, d.reason, d.predicted_success, d.sessions, d.queries, d.localized, "
+    "d.point_matches, d.point_inliers, d.usable_line_matches, d.usable_line_inliers, "
+    "d.vertical_line_matches, d.vertical_line_inliers, d.typical_point_matches, "
+    "d.typical_usable_line_matches, d.typical_vertical_line_matches, d.pinned, d.weighted_queries, "
+    "d.weighted_localized, d.independent_points, d.independent_usable_lines, "
+    "d.independent_vertical_lines, d.second_choice, d.third_choice";
+constexpr int kStateColumnCount = 24;
+// After those of version 1: half_life_sessions to cost_mixed.
+constexpr std::string_view kOptionColumns =
+    "half_life_sessions, change_discount, independent_matches_per_query, min_localized_queries, "
+    "prior_matches, prior_inlier_ratio, hysteresis, cost_1p1l, cost_2p, cost_mixed, "
+    "independent_queries_per_session, criterion, max_iterations, two_points_good, two_points_bad, "
+    "point_and_line_good, point_and_line_bad, point_and_verticals_good, point_and_verticals_bad";
+
+std::optional<Strategy> PinAt(const SqliteStatement& row, int column) {
+  if (row.IsNull(column)) return std::nullopt;
+  return static_cast<Strategy>(row.Int(column));
+}
+
+std::optional<std::int64_t> NumberOf(const std::optional<Strategy>& pinned) {
+  if (!pinned) return std::nullopt;
+  return static_cast<std::int64_t>(*pinned);
+}
+
+SegmentState StateAt(const SqliteStatement& row) {
+  SegmentState state;
+  state.derived.decision = {static_cast<Strategy>(row.Int(0)),
+                            static_cast<StrategySource>(row.Int(1)),
+                            row.Text(2),
+                            row.Real(3),
+                            {static_cast<Strategy>(row.Int(0)), static_cast<Strategy>(row.Int(22)),
+                             static_cast<Strategy>(row.Int(23))}};
+  SegmentStatistics& statistics = state.derived.statistics;
+  statistics.sessions = row.Int(4);
+  statistics.queries = row.Int(5);
+  statistics.localized = row.Int(6);
+  statistics.point_matches = row.Real(7);
+  statistics.point_inliers = row.Real(8);
+  statistics.usable_line_matches = row.Real(9);
+  statistics.usable_line_inliers = row.Real(10);
+  statistics.vertical_line_matches = row.Real(11);
+  statistics.vertical_line_inliers = row.Real(12);
+  statistics.typical_point_matches = row.Real(13);
+  statistics.typical_usable_line_matches = row.Real(14);
+  statistics.typical_vertical_line_matches = row.Real(15);
+  state.pinned = PinAt(row, 16);
+  statistics.weighted_queries = row.Real(17);
+  statistics.weighted_localized = row.Real(18);
+  statistics.independent_points = row.Real(19);
+  statistics.independent_usable_lines = row.Real(20);
+  statistics.independent_vertical_lines = row.Real(21);
+  return state;
+}
+
+SelectorOptions OptionsAt(const SqliteStatement& row, int column) {
+  SelectorOptions options;
+  options.statistics.half_life_sessions = row.Real(column);
+  options.statistics.change_discount = row.Real(column + 1);
+  options.statistics.independent_matches_per_query = row.Real(column + 2);
+  options.min_localized_queries = row.Int(column + 3);
+  options.prior_matches = row.Real(column + 4);
+  options.prior_inlier_ratio = row.Real(column + 5);
+  options.hysteresis = row.Real(column + 6);
+  options.cost_1p1l = row.Real(column + 7);
+  options.cost_2p = row.Real(column + 8);
+  options.cost_mixed = row.Real(column + 9);
+  options.statistics.independent_queries_per_session = row.Real(column + 10);
+  options.criterion = static_cast<StrategyCriterion>(row.Int(column + 11));
+  options.max_iterations = row.Int(column + 12);
+  options.two_points = {row.Real(column + 13), row.Real(column + 14)};
+  options.point_and_line = {row.Real(column + 15), row.Real(column + 16)};
+  options.point_and_verticals = {row.Real(column + 17), row.Real(column + 18)};
+  return options;
+}
+
+Result<SelectorOptions> ReadOptions(SqliteDatabase& database, std::int64_t id) {
+  SqliteStatement statement(
+      database, "SELECT " + std::string(kOptionColumns) + " FROM selector_options WHERE id = ?1");
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(id).Step());
+  if (!found) return Internal("selector options " + std::to_string(id) + " are missing");
+  return OptionsAt(statement, 0);
+}
+
+// `options` becomes the row of the last pin's options.
+Status ReadPins(SqliteDatabase& database, std::int64_t map, SegmentId id, std::vector<Pin>& pins,
+                std::optional<std::int64_t>& options) {
+  SqliteStatement statement(database,
+                            "SELECT time_unix_ns, strategy, options FROM pins "
+                            "WHERE map = ?1 AND segment = ?2 ORDER BY id");
+  statement.Bind(map, id);
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+    if (!row) return Status::Ok();
+    pins.push_back({statement.Int(0), PinAt(statement, 1)});
+    options = statement.Int(2);
+  }
+}
+
+// `options` becomes the row of the newest row's options.
+Status ReadTrueRows(SqliteDatabase& database, std::int64_t map, SegmentId id, SegmentTruth& truth,
+                    std::optional<std::int64_t>& options) {
+  MAPLOC_ASSIGN_OR_RETURN(std::vector<StoredRow> rows, ReadRows(database, map, id));
+  for (StoredRow& stored : rows) {
+    truth.rows.push_back(std::move(stored.row));
+    truth.ends_unix_ns.push_back(stored.end_unix_ns);
+    options = stored.options;
+  }
+  return Status::Ok();
+}
+
+Status WriteState(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                  const SegmentState& state) {
+  MAPLOC_ASSIGN_OR_RETURN(const std::int64_t options, OptionsRow(database, state.options));
+  SqliteStatement statement(
+      database,
+      "INSERT OR REPLACE INTO segment_states (map, segment, options, pinned, strategy, source, "
+      "reason, predicted_success, sessions, queries, localized, point_matches, point_inliers, "
+      "usable_line_matches, usable_line_inliers, vertical_line_matches, vertical_line_inliers, "
+      "typical_point_matches, typical_usable_line_matches, typical_vertical_line_matches, "
+      "weighted_queries, weighted_localized, independent_points, independent_usable_lines, "
+      "independent_vertical_lines, second_choice, third_choice) VALUES (?1, ?2, ?3, ?4, ?5, ?6, "
+      "?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, "
+      "?26, ?27)");
+  const StrategyDecision& decision = state.derived.decision;
+  const SegmentStatistics& sums = state.derived.statistics;
+  return statement
+      .Bind(map, id, options, NumberOf(state.pinned), static_cast<std::int64_t>(decision.strategy),
+            static_cast<std::int64_t>(decision.source), decision.reason, decision.predicted_success,
+            sums.sessions, sums.queries, sums.localized, sums.point_matches, sums.point_inliers,
+            sums.usable_line_matches, sums.usable_line_inliers, sums.vertical_line_matches,
+            sums.vertical_line_inliers, sums.typical_point_matches,
+            sums.typical_usable_line_matches, sums.typical_vertical_line_matches,
+            sums.weighted_queries, sums.weighted_localized, sums.independent_points,
+            sums.independent_usable_lines, sums.independent_vertical_lines,
+            static_cast<std::int64_t>(decision.ranking[1]),
+            static_cast<std::int64_t>(decision.ranking[2]))
+      .Run();
+}
+
+Result<std::vector<std::pair<std::int64_t, SegmentId>>> SegmentsWithTruth(
+    SqliteDatabase& database) {
+  SqliteStatement statement(database,
+                            "SELECT map, segment FROM segment_sessions UNION "
+                            "SELECT map, segment FROM pins ORDER BY 1, 2");
+  std::vector<std::pair<std::int64_t, SegmentId>> segments;
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+    if (!row) return segments;
+    segments.emplace_back(statement.Int(0), statement.Int32(1));
+  }
+}
+
+}  // namespace
+
+Result<SegmentTruth> ReadTruth(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                               const SelectorOptions& defaults) {
+  SegmentTruth truth;
+  truth.options = defaults;
+  std::optional<std::int64_t> options;
+  MAPLOC_RETURN_IF_ERROR(ReadPins(database, map, id, truth.pins, options));
+  MAPLOC_RETURN_IF_ERROR(ReadTrueRows(database, map, id, truth, options));
+  if (options) {
+    MAPLOC_ASSIGN_OR_RETURN(truth.options, ReadOptions(database, *options));
+  }
+  return truth;
+}
+
+Result<SegmentState> ReadSegmentState(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                                      const SelectorOptions& defaults) {
+  SqliteStatement statement(
+      database, "SELECT " + std::string(kStateColumns) + ", " + std::string(kOptionColumns) +
+                    " FROM segment_states d JOIN selector_options o ON o.id = "
+                    "d.options WHERE d.map = ?1 AND d.segment = ?2");
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(map, id).Step());
+  if (!found) {
+    SegmentTruth nothing;
+    nothing.options = defaults;
+    return DeriveState(nothing);
+  }
+  SegmentState state = StateAt(statement);
+  state.options = OptionsAt(statement, kStateColumnCount);
+  return state;
+}
+
+Result<std::int64_t> OptionsRow(SqliteDatabase& database, const SelectorOptions& options) {
+  const auto bind = [&options](SqliteStatement& statement) -> SqliteStatement& {
+    const StatisticsOptions& statistics = options.statistics;
+    return statement.Bind(statistics.half_life_sessions, statistics.change_discount,
+                          statistics.independent_matches_per_query, options.min_localized_queries,
+                          options.prior_matches, options.prior_inlier_ratio, options.hysteresis,
+                          options.cost_1p1l, options.cost_2p, options.cost_mixed,
+                          statistics.independent_queries_per_session,
+                          static_cast<std::int64_t>(options.criterion), options.max_iterations,
+                          options.two_points.good, options.two_points.bad,
+                          options.point_and_line.good, options.point_and_line.bad,
+                          options.point_and_verticals.good, options.point_and_verticals.bad);
+  };
+  constexpr std::string_view kParameters =
+      "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19)";
+  const std::string columns(kOptionColumns);
+  SqliteStatement find(database, "SELECT id FROM selector_options WHERE (" + columns +
+                                     ") = " + std::string(kParameters));
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, bind(find).Step());
+  if (found) return find.Int(0);
+  SqliteStatement insert(database, "INSERT INTO selector_options (" + columns + ") VALUES " +
+                                       std::string(kParameters));
+  MAPLOC_RETURN_IF_ERROR(bind(insert).Run());
+  return database.LastInsertId();
+}
+
+Status InsertPin(SqliteDatabase& database, std::int64_t map, SegmentId id, const Pin& pin,
+                 const SelectorOptions& options) {
+  MAPLOC_ASSIGN_OR_RETURN(const std::int64_t options_row, OptionsRow(database, options));
+  SqliteStatement insert(database,
+                         "INSERT INTO pins (map, segment, time_unix_ns, strategy, options) VALUES "
+                         "(?1, ?2, ?3, ?4, ?5)");
+  return insert.Bind(map, id, pin.time_unix_ns, NumberOf(pin.strategy), options_row).Run();
+}
+
+Result<SegmentState> DeriveAnew(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                                const SelectorOptions& defaults) {
+  MAPLOC_ASSIGN_OR_RETURN(const SegmentTruth truth, ReadTruth(database, map, id, defaults));
+  SegmentState state = DeriveState(truth);
+  if (truth.empty()) {
+    SqliteStatement remove(database, "DELETE FROM segment_states WHERE map = ?1 AND segment = ?2");
+    MAPLOC_RETURN_IF_ERROR(remove.Bind(map, id).Run());
+  } else {
+    MAPLOC_RETURN_IF_ERROR(WriteState(database, map, id, state));
+  }
+  return state;
+}
+
+Result<bool> IsStale(SqliteDatabase& database) {
+  SqliteStatement kept(database, "SELECT value FROM meta WHERE name = 'derivation_fingerprint'");
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, kept.Step());
+  return !found || kept.Int(0) != DerivationFingerprint();
+}
+
+Status DeriveAllAnew(SqliteDatabase& database) {
+  MAPLOC_ASSIGN_OR_RETURN(const auto segments, SegmentsWithTruth(database));
+  for (const auto& [map, id] : segments) {
+    MAPLOC_RETURN_IF_ERROR(DeriveAnew(database, map, id, SelectorOptions{}).status());
+  }
+  SqliteStatement keep(database,
+                       "INSERT OR REPLACE INTO meta VALUES ('derivation_fingerprint', ?1)");
+  MAPLOC_RETURN_IF_ERROR(keep.Bind(DerivationFingerprint()).Run());
+  return database.Execute("UPDATE meta SET value = value + 1 WHERE name = 'change_counter'");
+}
+
+}  // namespace maploc

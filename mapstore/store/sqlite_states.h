@@ -1,0 +1,32 @@
+// What is true of a segment in SQLite (rows, pins), and what is derived from it and kept beside it:
+// statistics and strategy in force. Callers hold the connection and the transaction.
+#pragma once
+
+#include "mapstore/store/derivation.h"
+#include "mapstore/store/map_store.h"
+#include "mapstore/store/sqlite_database.h"
+
+namespace maploc {
+
+// `defaults` are the options of a segment that has neither rows nor pins.
+Result<SegmentTruth> ReadTruth(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                               const SelectorOptions& defaults);
+// What is kept; before the first row or pin it is derived from nothing with `defaults`.
+Result<SegmentState> ReadSegmentState(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                                      const SelectorOptions& defaults);
+
+// The row of these options, made where there is none yet. REQUIRES: a write transaction (all
+// below).
+Result<std::int64_t> OptionsRow(SqliteDatabase& database, const SelectorOptions& options);
+Status InsertPin(SqliteDatabase& database, std::int64_t map, SegmentId id, const Pin& pin,
+                 const SelectorOptions& options);
+// Brings what is kept of a segment up to its truth, and tells it.
+Result<SegmentState> DeriveAnew(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                                const SelectorOptions& defaults);
+// The same for every segment; afterwards what is kept is this program's derivation.
+Status DeriveAllAnew(SqliteDatabase& database);
+
+// Whether another program (another selector, another compiler) derived what is kept.
+Result<bool> IsStale(SqliteDatabase& database);
+
+}  // namespace maploc
