@@ -23,6 +23,7 @@ void AddCommands(CLI::App& app, maploc::CommandContext& context) {
   maploc::AddStrategyCommand(app, context);
   maploc::AddExplainCommand(app, context);
   maploc::AddSessionsCommand(app, context);
+  maploc::AddRevokeCommand(app, context);
   maploc::AddVerifyCommand(app, context);
   maploc::AddBackupCommand(app, context);
   maploc::AddPlotCommand(app, context);

@@ -55,7 +55,7 @@ class MaplocMap : public ::testing::Test {
 
 TEST_F(MaplocMap, EveryCommandHelpsWithAnExample) {
   for (const std::string command : {"list", "segments", "stats", "strategy", "explain", "sessions",
-                                    "verify", "backup", "plot"}) {
+                                    "revoke", "verify", "backup", "plot"}) {
     const Output run = Map(command + " --help");
     EXPECT_EQ(run.exit_code, 0);
     EXPECT_THAT(run.out, HasSubstr("maploc-map " + command + " --store")) << command;
@@ -70,7 +70,7 @@ TEST_F(MaplocMap, WrongUsageIsTwo) {
         "strategy --store $STORE --map yard", "strategy --store $STORE --map yard --segment two",
         "strategy --store $STORE --map yard --segment 1 --pin p3p",
         "strategy --store $STORE --map yard --segment 1 --pin 2p --unpin", "backup --store $STORE",
-        "list --store"}) {
+        "revoke --store $STORE", "list --store"}) {
     const Output run = Map(wrong);
     EXPECT_EQ(run.exit_code, 2) << wrong;
     EXPECT_EQ(run.out, "");
@@ -158,6 +158,28 @@ TEST_F(MaplocMap, SessionsAreListed) {
   EXPECT_EQ(sessions[0].at("localized"), 20);
   EXPECT_EQ(sessions[0].at("labels").at("season"), "autumn");
   EXPECT_EQ(sessions[1].at("state"), "open");
+}
+
+TEST_F(MaplocMap, ARevokedSessionNoLongerCountsUntilItIsTakenBack) {
+  const json before = Json("segments --store $STORE --map yard");
+  const json revoked = Json("revoke --store $STORE --session s");
+  EXPECT_EQ(revoked.at("session"), "s");
+  EXPECT_EQ(revoked.at("revoked"), true);
+  EXPECT_EQ(revoked.at("changed"), true);
+  EXPECT_EQ(
+      revoked.at("segments"),
+      json::array({{{"segment", 1}, {"strategy_before", "1p1l"}, {"strategy_after", "mixed"}}}));
+  EXPECT_EQ(Json("sessions --store $STORE")[0].at("revoked"), true);
+  const json without = Json("segments --store $STORE --map yard");
+  EXPECT_EQ(without[1].at("queries"), 0);
+  EXPECT_EQ(without[1].at("strategy_source"), "default");
+  EXPECT_EQ(Json("verify --store $STORE").at("ok"), true);
+  EXPECT_EQ(Json("stats --store $STORE --map yard --recompute")[1].at("recomputed_equal"), true);
+  EXPECT_EQ(Json("revoke --store $STORE --session s").at("changed"), false);
+  EXPECT_THAT(Map("revoke --store $STORE --session open").out, HasSubstr("still open"));
+  EXPECT_EQ(Json("revoke --store $STORE --session s --undo").at("revoked"), false);
+  EXPECT_EQ(Json("segments --store $STORE --map yard"), before);
+  ExpectFails("revoke --store $STORE --session nobody", "session 'nobody' does not exist");
 }
 
 TEST_F(MaplocMap, ABackupIsAStore) {
