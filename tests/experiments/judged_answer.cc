@@ -1,10 +1,13 @@
 #include "tests/experiments/judged_answer.h"
 
 #include "server/ransac/estimator.h"
+#include "server/refinement/gravity_check.h"
 #include "server/refinement/refine.h"
 
 namespace maploc::experiments {
 namespace {
+
+constexpr int kIterationsAgainstGravity = 2000;  // the product's, in server/pipeline/localizer.cc
 
 const Camera& ImageCamera() {
   static const Camera camera =
@@ -12,25 +15,41 @@ const Camera& ImageCamera() {
   return camera;
 }
 
-}  // namespace
-
-JudgedAnswer AnswerAsProduct(PoseProblem problem, Strategy strategy, std::uint64_t seed) {
-  if (strategy == Strategy::kP3P) problem.has_gravity = false;
-  RansacOptions ransac;
-  ransac.strategy = strategy;
-  ransac.seed = seed;
-  const Consensus consensus = EstimateConsensus(problem, ransac);
+// `problem` is `as_sent`, or that without its gravity. `iterations` were spent before.
+JudgedAnswer Attempt(const PoseProblem& problem, const PoseProblem& as_sent, RansacOptions ransac,
+                     int iterations) {
   JudgedAnswer answer;
-  answer.iterations = consensus.iterations;
+  if (!problem.has_gravity) ransac.strategy = Strategy::kP3P;
+  const Consensus consensus = EstimateConsensus(problem, ransac);
+  answer.iterations = iterations + consensus.iterations;
   if (!consensus.found) return answer;
-  const RefinedPose pose = RefinePose(problem, consensus.camera_from_map, {});
+  const RefineOptions refine;
+  const RefinedPose pose = RefinePose(problem, consensus.camera_from_map, refine);
   if (!pose.converged) return answer;
   JudgeOptions judge;
+  judge.contradicts_gravity =
+      problem.has_gravity && !CheckGravity(as_sent, pose, refine).consistent;
   judge.max_reprojection_error_px = ransac.max_reprojection_error_px;
-  judge.iterations = consensus.iterations;
+  judge.iterations = answer.iterations;
   answer.verdict = JudgePose(problem, pose, ImageCamera(), judge);
   answer.camera_from_map = pose.camera_from_map;
   return answer;
+}
+
+}  // namespace
+
+JudgedAnswer AnswerAsProduct(const PoseProblem& problem, Strategy strategy, std::uint64_t seed) {
+  PoseProblem without = problem;
+  without.has_gravity = false;
+  RansacOptions ransac;
+  ransac.strategy = strategy;
+  ransac.seed = seed;
+  if (strategy == Strategy::kP3P) return Attempt(without, without, ransac, 0);
+  const JudgedAnswer answer = Attempt(problem, problem, ransac, 0);
+  if (answer.verdict.outcome == Outcome::kLocalized) return answer;
+  ransac.max_iterations = kIterationsAgainstGravity;
+  const JudgedAnswer free = Attempt(without, problem, ransac, answer.iterations);
+  return free.verdict.outcome == Outcome::kLocalized ? free : answer;
 }
 
 Result<Strategy> ProductStrategy(const std::string& method) {

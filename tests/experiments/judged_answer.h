@@ -14,13 +14,16 @@ namespace maploc::experiments {
 
 struct JudgedAnswer {
   Verdict verdict;
-  int iterations = 0;
+  int iterations = 0;      // over both attempts
   Rigid3 camera_from_map;  // where verdict.confidence > 0
 };
 
-// RANSAC with the product's defaults (10,000 iterations, 4 px, fallback on), refinement, JudgePose
-// for an image of 640 x 480 pixels. With kP3P gravity is absent, as a query without it is answered.
-JudgedAnswer AnswerAsProduct(PoseProblem problem, Strategy strategy, std::uint64_t seed);
+// As server/pipeline/localizer.cc answers a query about one segment: RANSAC with the product's
+// defaults (10,000 iterations, 4 px, fallback on), refinement, the check of gravity, JudgePose for
+// an image of 640 x 480 pixels; and where that is not LOCALIZED once more without gravity (P3P,
+// 2,000 iterations), of which only a LOCALIZED answer is taken. With kP3P gravity is absent from
+// the start.
+JudgedAnswer AnswerAsProduct(const PoseProblem& problem, Strategy strategy, std::uint64_t seed);
 
 // "mixed-auto" and its like, and p3p: what the product itself answers with. INVALID_ARGUMENT for
 // any other method.

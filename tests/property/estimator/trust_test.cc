@@ -64,7 +64,8 @@ TEST(Trust, RepeatedPatternsAreNeverBelieved) {
   int believed = 0;
   for (int i = 0; i < 1000; ++i) {
     const int matches = 50 + static_cast<int>(random.Below(200));
-    const PoseProblem problem = MakeRepeatedPattern({.matches = matches, .line_share = i % 2 == 0 ? 0.0 : 0.4}, random);
+    const PoseProblem problem =
+        MakeRepeatedPattern({.matches = matches, .line_share = i % 2 == 0 ? 0.0 : 0.4}, random);
     const double confidence = Localize(problem, random.Next(), 300).confidence;
     believed += confidence >= kBar ? 1 : 0;
   }

@@ -1,0 +1,175 @@
+// The binary itself with a few trials: rows, exit codes, files. What the figures say is in
+// tests/experiments/README.md.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+namespace maploc::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+struct Output {
+  int exit_code = -1;
+  std::string out;  // with `2>&1` in the arguments, what it wrote to standard error too
+};
+
+Output RunExperiments(const std::string& arguments) {
+  const std::string command = std::string(MAPLOC_BIN_DIR) + "/maploc-experiments " + arguments;
+  Output run;
+  FILE* pipe = popen(command.c_str(), "r");
+  std::array<char, 4096> buffer;
+  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) {
+    run.out.append(buffer.data(), n);
+  }
+  run.exit_code = WEXITSTATUS(pclose(pipe));
+  return run;
+}
+
+nlohmann::json Rows(const std::string& arguments) {
+  const Output run = RunExperiments(arguments + " --json");
+  EXPECT_EQ(run.exit_code, 0);
+  nlohmann::json rows = nlohmann::json::parse(run.out, nullptr, false);
+  EXPECT_TRUE(rows.is_array()) << run.out;
+  return rows;
+}
+
+void ExpectKeys(const nlohmann::json& row, const std::set<std::string>& keys) {
+  for (const std::string& key : keys) EXPECT_TRUE(row.contains(key)) << key << " of " << row;
+}
+
+class Scratch : public ::testing::Test {
+ protected:
+  Scratch() {
+    std::string name = (std::filesystem::temp_directory_path() / "experimentsXXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  ~Scratch() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_;
+};
+
+TEST(Experiments, RobustnessHasTheContractsGridAndKeys) {
+  const nlohmann::json rows = Rows("robustness --trials 2 --methods mixed-auto,p3p");
+  EXPECT_EQ(rows.size(), 2u * 4 * 9 * 2);
+  for (const nlohmann::json& row : rows) {
+    ExpectKeys(row, {"experiment", "method", "inliers", "outlier_rate", "noise_px",
+                     "gravity_noise_deg", "trials", "success_rate", "median_ms", "p99_ms"});
+    if (row["method"] == "mixed-auto" && row["inliers"] == 10 && row["outlier_rate"] == 0.0) {
+      EXPECT_EQ(row["success_rate"], 1.0) << row;
+    }
+  }
+}
+
+TEST(Experiments, RobustnessFallsWithOutliersForThreePointsAlone) {
+  const nlohmann::json rows =
+      Rows("robustness --trials 20 --methods p3p --only inliers=10 --only gravity_noise_deg=0");
+  ASSERT_EQ(rows.size(), 9u);
+  EXPECT_EQ(rows.front()["success_rate"], 1.0);
+  EXPECT_LT(rows.back()["success_rate"], 1.0);
+}
+
+TEST(Experiments, AccuracyComparesAutoWithTheOthersAndGrowsWithNoise) {
+  const nlohmann::json rows = Rows(
+      "accuracy --trials 20 --methods 2p-4dof,2p-6dof,2p-auto --only inliers=10 "
+      "--only gravity_noise_deg=1");
+  ASSERT_EQ(rows.size(), 7u * 3);
+  ExpectKeys(rows[2 * 3 + 2], {"rotation_to_better", "translation_to_worse"});
+  EXPECT_LT(rows[3 + 2]["median_translation_error_percent"],
+            rows[6 * 3 + 2]["median_translation_error_percent"]);
+}
+
+TEST(Experiments, SensitivityReaches25Degrees) {
+  const nlohmann::json rows = Rows("sensitivity --trials 2 --methods mixed-4dof");
+  EXPECT_EQ(rows.front()["gravity_noise_deg"], 0.0);
+  EXPECT_EQ(rows.front()["success_rate"], 1.0);
+  EXPECT_EQ(rows.back()["gravity_noise_deg"], 25.0);
+}
+
+TEST(Experiments, TimingHasTheContractsGridAndKeys) {
+  const nlohmann::json rows = Rows("timing --trials 1 --methods 2p-auto");
+  EXPECT_EQ(rows.size(), 3u * 5 + 3);
+  for (const nlohmann::json& row : rows) {
+    ExpectKeys(row, {"points", "lines", "inlier_ratio", "median_ms", "p99_ms", "success_rate"});
+    EXPECT_FALSE(row.contains("inliers"));
+  }
+}
+
+TEST(Experiments, FalseAcceptsTellShiftedRepeatsApart) {
+  const nlohmann::json rows = Rows("false-accepts --trials 5");
+  std::set<std::string> kinds;
+  for (const nlohmann::json& row : rows) {
+    ExpectKeys(row, {"matches", "queries", "localized", "largest_confidence"});
+    const std::string kind = row["matches"];
+    kinds.insert(kind);
+    if (!kind.starts_with("one shift")) {
+      EXPECT_EQ(row["localized"], 0) << row;
+    }
+  }
+  EXPECT_EQ(kinds.size(), 6u);
+}
+
+TEST(Experiments, ReliabilityTellsAShareABin) {
+  const nlohmann::json rows = Rows("reliability --trials 100");
+  ASSERT_FALSE(rows.empty());
+  EXPECT_EQ(rows.back()["confidence_to"], 1.0);
+  ExpectKeys(rows.back(), {"confidence_from", "answers", "success_rate", "mean_confidence"});
+}
+
+TEST_F(Scratch, WritesCsvAndCharts) {
+  const Output run =
+      RunExperiments("sensitivity --trials 1 --methods 2p-auto --csv " +
+                     (folder_ / "rows.csv").string() + " --plot " + (folder_ / "charts").string());
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.out, HasSubstr("2p-auto"));  // a table, without --json
+  std::ifstream csv(folder_ / "rows.csv");
+  std::string header;
+  std::getline(csv, header);
+  EXPECT_THAT(header, StartsWith("experiment,method,inliers,"));
+  for (const char* name : {"success", "rotation", "translation"}) {
+    std::ifstream svg(folder_ / "charts" / (std::string("sensitivity_") + name + ".svg"));
+    std::string first;
+    std::getline(svg, first);
+    EXPECT_THAT(first, StartsWith("<svg"));
+  }
+}
+
+TEST(Experiments, WrongUsageIsTwo) {
+  EXPECT_EQ(RunExperiments("nothing 2>&1").exit_code, 2);
+  EXPECT_EQ(RunExperiments("2>&1").exit_code, 2);
+  EXPECT_EQ(RunExperiments("robustness --methods p3p,p4p 2>&1").exit_code, 2);
+  EXPECT_EQ(RunExperiments("robustness --trials many 2>&1").exit_code, 2);
+  EXPECT_EQ(RunExperiments("robustness --trails 1 2>&1").exit_code, 2);
+}
+
+TEST(Experiments, WhatCannotBeDoneIsOneAndALine) {
+  for (const std::string arguments :
+       {"robustness --trials 0", "robustness --trials 1 --csv /nowhere/rows.csv",
+        "robustness --trials 1 --plot /proc/charts", "robustness --only inliers=11",
+        "false-accepts --trials 1 --methods epnp"}) {
+    const Output run = RunExperiments(arguments + " 2>&1");
+    EXPECT_EQ(run.exit_code, 1) << arguments;
+    EXPECT_THAT(run.out, StartsWith("maploc-experiments: "));
+    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1) << run.out;
+  }
+}
+
+TEST(Experiments, HelpHasAnExample) {
+  for (const std::string command :
+       {"accuracy", "sensitivity", "robustness", "timing", "false-accepts", "reliability"}) {
+    const Output run = RunExperiments(command + " --help");
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_THAT(run.out, HasSubstr("Example:\n  maploc-experiments " + command));
+  }
+}
+
+}  // namespace
+}  // namespace maploc::testing
