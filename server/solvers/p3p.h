@@ -3,16 +3,19 @@
 //
 // Problem: l_i y_i = R P_i + t, i = 1, 2, 3, y_i unit rays, l_i > 0.
 // Equation: the squared distances |l_i y_i - l_j y_j|^2 = |P_i - P_j|^2 are three quadrics in
-// (l1, l2, l3); a pencil of two of them holds a degenerate quadric, a root of a cubic, that factors
-// into two planes; each plane meets the quadrics in at most two points. The depths are polished by
-// Gauss and Newton, then R from the two triangles.
-// Frames: rays in the camera, points in the map; out: camera_from_map.
-// Preconditions: finite input, rays of any length but zero.
-// Solutions: at most four, all depths positive.
-// Degenerate: points on a line, equal rays, the camera on the danger cylinder.
-// Source: Persson and Nordberg, "Lambda Twist: an accurate fast robust perspective three point
-// (P3P) solver", ECCV 2018, written anew. Deviation: up to ten steps of polishing, stopped by the
-// residual.
+// (l1, l2, l3). Two combinations of them without a constant term span a pencil, which holds a
+// quadric of rank two: a root of a cubic (cubic.h). That one is a pair of planes, told by its
+// adjugate; each plane meets another quadric of the pencil in at most two directions. Then scale,
+// one step of Newton on the distances (more near the danger cylinder), and R from the two
+// triangles. Frames: rays in the camera, points in the map; out: camera_from_map. Preconditions:
+// finite input, rays of any length but zero. Solutions: at most four, all depths positive. A double
+// root may come twice. Degenerate: points on a line, equal rays, the camera on the danger cylinder
+// or in the points' plane. Source: the pencil is of Persson and Nordberg, "Lambda Twist: an
+// accurate fast robust perspective three point (P3P) solver", ECCV 2018; the planes from the
+// adjugate as in Ding, Yang, Larsson, Olsson, Astrom, "Revisiting the P3P problem", CVPR 2023;
+// written anew. Deviations: cosines as one minus the half squared distance of the rays, exact for
+// rays that are close; each plane is parametrized from the line where both meet, so that no
+// coordinate is special.
 #pragma once
 
 #include <Eigen/Core>
