@@ -8,11 +8,13 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
+#include "server/refinement/spread_indices.h"
+
 namespace maploc {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kMaxPairSide = 250;
+constexpr double kFarAway = 1e9;
 // Displacements by the same distance in the map differ in the image by about this share.
 constexpr double kPerspectiveShare = 0.05;
 // Outliers that lie this close are the tail of the same pose's noise and of badly triangulated
@@ -23,18 +25,101 @@ double LogChoose(int n, int k) {
   return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
 }
 
-// Every step-th index, so that at most kMaxPairSide are left.
-std::size_t Step(std::size_t count) { return (count + kMaxPairSide - 1) / kMaxPairSide; }
+// A point match under the pose.
+struct PointUnderPose {
+  Eigen::Vector2d seen;
+  Eigen::Vector2d projected;  // far away where it is not in front
+  bool in_front = false;
+};
 
-Eigen::Vector3d ImageLine(const LineSegment2& segment) {
-  const Eigen::Vector3d line = segment.start.homogeneous().cross(segment.end.homogeneous());
-  const double norm = line.head<2>().norm();
-  return norm > 0 ? Eigen::Vector3d(line / norm) : line;
+PointUnderPose Look(const PointCorrespondence& match, const PoseMatrix& pose) {
+  const Eigen::Vector3d q = pose.rotation * match.position_in_map + pose.translation;
+  if (q.z() > 0) return {match.normalized, q.hnormalized(), true};
+  return {match.normalized, Eigen::Vector2d::Constant(kFarAway), false};
 }
 
-bool LiesOn(const LineSegment2& segment, const Eigen::Vector3d& image_line, double distance) {
-  return std::abs(image_line.dot(segment.start.homogeneous())) < distance &&
-         std::abs(image_line.dot(segment.end.homogeneous())) < distance;
+// Inliers of which no two are closer together than the threshold, greedily from left to right.
+int DistinctInliers(const std::vector<PointUnderPose>& points,
+                    const std::vector<std::uint8_t>& inliers, double threshold) {
+  std::vector<Eigen::Vector2d> seen;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (inliers[i] != 0) seen.push_back(points[i].seen);
+  }
+  std::sort(seen.begin(), seen.end(), [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  });
+  std::vector<Eigen::Vector2d> kept;
+  for (const Eigen::Vector2d& point : seen) {
+    bool is_new = true;
+    for (auto other = kept.rbegin(); is_new && other != kept.rend(); ++other) {
+      if (point.x() - other->x() >= threshold) break;
+      is_new = (point - *other).squaredNorm() >= threshold * threshold;
+    }
+    if (is_new) kept.push_back(point);
+  }
+  return static_cast<int>(kept.size());
+}
+
+PairCount WrongPairs(const std::vector<PointUnderPose>& points,
+                     const std::vector<std::uint8_t>& inliers, double threshold) {
+  const double threshold2 = threshold * threshold;
+  std::vector<PointUnderPose> looked_at;
+  std::vector<PointUnderPose> outliers;  // an inlier's place is taken by its own feature
+  for (const std::size_t i : SpreadIndices(points.size())) {
+    looked_at.push_back(points[i]);
+    if (inliers[i] == 0) outliers.push_back(points[i]);
+  }
+  PairCount count;
+  for (const PointUnderPose& outlier : outliers) {
+    for (const PointUnderPose& point : looked_at) {  // itself is not apart from itself
+      const bool apart = (point.seen - outlier.seen).squaredNorm() >= 4.0 * threshold2;
+      const bool agree = (point.seen - outlier.projected).squaredNorm() < threshold2;
+      count.pairs += apart ? 1 : 0;
+      count.agreeing += apart && agree ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+double SharedShift(const std::vector<PointUnderPose>& points,
+                   const std::vector<std::uint8_t>& inliers, double threshold) {
+  struct Outlier {
+    Eigen::Vector2d seen;
+    Eigen::Vector2d shift;
+  };
+  std::vector<Outlier> outliers;
+  std::vector<Eigen::Vector2d> shifts;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d shift = points[i].seen - points[i].projected;
+    if (inliers[i] != 0 || !points[i].in_front) continue;
+    if (shift.norm() < kNearMissThresholds * threshold) continue;
+    outliers.push_back({points[i].seen, shift});
+    shifts.push_back(shift);
+  }
+  const double area = std::max(SpreadArea(shifts), 1e-12);
+  PairCount count;
+  double expected = 0.0;  // pairs alike by accident
+  const std::vector<std::size_t> looked_at = SpreadIndices(outliers.size());
+  for (std::size_t a = 0; a < looked_at.size(); ++a) {
+    const Outlier& one = outliers[looked_at[a]];
+    const double tolerance =
+        std::max(std::numbers::sqrt2 * threshold, kPerspectiveShare * one.shift.norm());
+    const double tolerance2 = tolerance * tolerance;
+    std::int64_t pairs = 0;
+    for (std::size_t b = a + 1; b < looked_at.size(); ++b) {
+      const Outlier& other = outliers[looked_at[b]];
+      const bool apart = (one.seen - other.seen).squaredNorm() >= 4.0 * threshold * threshold;
+      const bool agree = (one.shift - other.shift).squaredNorm() < tolerance2;
+      pairs += apart ? 1 : 0;
+      count.agreeing += apart && agree ? 1 : 0;
+    }
+    count.pairs += pairs;
+    expected += static_cast<double>(pairs) * std::min(1.0, std::numbers::pi * tolerance2 / area);
+  }
+  if (count.pairs == 0) return 0.0;
+  const double accident = expected / static_cast<double>(count.pairs);
+  const double share = ShareBeyondAccident(count, accident);
+  return share > accident ? share : 0.0;
 }
 
 }  // namespace
@@ -74,113 +159,15 @@ double ShareBeyondAccident(const PairCount& count, double expected_share) {
 Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
                          const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
                          double threshold) {
+  std::vector<PointUnderPose> under_pose;
+  under_pose.reserve(points.size());
+  for (const PointCorrespondence& point : points) under_pose.push_back(Look(point, pose));
   Agreement agreement;
   agreement.matches = static_cast<int>(points.size());
-  std::vector<Eigen::Vector2d> kept;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (inliers[i] == 0) continue;
-    const Eigen::Vector2d& seen = points[i].normalized;
-    const bool is_new = std::none_of(kept.begin(), kept.end(), [&](const Eigen::Vector2d& other) {
-      return (other - seen).squaredNorm() < threshold * threshold;
-    });
-    if (is_new) kept.push_back(seen);
-  }
-  agreement.distinct_inliers = static_cast<int>(kept.size());
-
-  const double apart2 = 4.0 * threshold * threshold;
-  const std::size_t step = Step(points.size());
-  for (std::size_t j = 0; j < points.size(); j += step) {
-    if (inliers[j] != 0) continue;  // its place is taken by its own feature
-    const Eigen::Vector3d q = pose.rotation * points[j].position_in_map + pose.translation;
-    const bool in_front = q.z() > 0;
-    const Eigen::Vector2d projected = in_front ? Eigen::Vector2d(q.hnormalized()) : q.head<2>();
-    for (std::size_t i = 0; i < points.size(); i += step) {
-      if (i == j) continue;
-      const Eigen::Vector2d& seen = points[i].normalized;
-      if ((seen - points[j].normalized).squaredNorm() < apart2) continue;
-      ++agreement.wrong_pairs.pairs;
-      agreement.wrong_pairs.agreeing +=
-          in_front && (seen - projected).squaredNorm() < threshold * threshold ? 1 : 0;
-    }
-  }
+  agreement.distinct_inliers = DistinctInliers(under_pose, inliers, threshold);
+  agreement.wrong_pairs = WrongPairs(under_pose, inliers, threshold);
+  agreement.shared_shift = SharedShift(under_pose, inliers, threshold);
   return agreement;
-}
-
-Agreement LineAgreement(const std::vector<LineCorrespondence>& lines,
-                        const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
-                        double threshold, double min_length) {
-  Agreement agreement;
-  agreement.matches = static_cast<int>(lines.size());
-  std::vector<Eigen::Vector3d> image_lines;
-  for (const LineCorrespondence& line : lines) image_lines.push_back(ImageLine(line.normalized));
-  std::vector<std::size_t> kept;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (inliers[i] == 0) continue;
-    const bool is_new = std::none_of(kept.begin(), kept.end(), [&](std::size_t other) {
-      return LiesOn(lines[i].normalized, image_lines[other], 2.0 * threshold);
-    });
-    if (is_new) kept.push_back(i);
-  }
-  agreement.distinct_inliers = static_cast<int>(kept.size());
-
-  const std::size_t step = Step(lines.size());
-  for (std::size_t j = 0; j < lines.size(); j += step) {
-    if (inliers[j] != 0) continue;
-    // Where landmark j is seen under the pose; an empty line when it is not.
-    const Eigen::Vector3d start = pose.rotation * lines[j].segment_in_map.start + pose.translation;
-    const Eigen::Vector3d along =
-        pose.rotation * (lines[j].segment_in_map.end - lines[j].segment_in_map.start);
-    const Eigen::Vector3d moment = start.cross(along);
-    const double norm = moment.head<2>().norm();
-    const bool visible = norm > 0 && std::max(start.z(), start.z() + along.z()) > 0 &&
-                         ProjectedLength(pose, lines[j].segment_in_map) >= min_length;
-    for (std::size_t i = 0; i < lines.size(); i += step) {
-      if (i == j || LiesOn(lines[i].normalized, image_lines[j], 2.0 * threshold)) continue;
-      ++agreement.wrong_pairs.pairs;
-      agreement.wrong_pairs.agreeing +=
-          visible && LiesOn(lines[i].normalized, moment / norm, threshold) ? 1 : 0;
-    }
-  }
-  return agreement;
-}
-
-double SharedDisplacementRate(const std::vector<PointCorrespondence>& points,
-                              const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
-                              double threshold) {
-  struct Outlier {
-    Eigen::Vector2d seen;
-    Eigen::Vector2d displacement;
-  };
-  std::vector<Outlier> outliers;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d q = pose.rotation * points[i].position_in_map + pose.translation;
-    if (inliers[i] != 0 || q.z() <= 0) continue;
-    const Eigen::Vector2d displacement = points[i].normalized - q.hnormalized();
-    if (displacement.norm() < kNearMissThresholds * threshold) continue;
-    outliers.push_back({points[i].normalized, displacement});
-  }
-  std::vector<Eigen::Vector2d> displacements;
-  for (const Outlier& outlier : outliers) displacements.push_back(outlier.displacement);
-  const double area = std::max(SpreadArea(displacements), 1e-12);
-  PairCount count;
-  double expected = 0.0;  // pairs alike by accident
-  const std::size_t step = Step(outliers.size());
-  for (std::size_t i = 0; i < outliers.size(); i += step) {
-    const double tolerance = std::max(std::numbers::sqrt2 * threshold,
-                                      kPerspectiveShare * outliers[i].displacement.norm());
-    for (std::size_t j = i + step; j < outliers.size(); j += step) {
-      const double apart2 = (outliers[i].seen - outliers[j].seen).squaredNorm();
-      if (apart2 < 4.0 * threshold * threshold) continue;
-      ++count.pairs;
-      expected += std::min(1.0, std::numbers::pi * tolerance * tolerance / area);
-      const double difference = (outliers[i].displacement - outliers[j].displacement).norm();
-      count.agreeing += difference < tolerance ? 1 : 0;
-    }
-  }
-  if (count.pairs == 0) return 0.0;
-  const double accident = expected / static_cast<double>(count.pairs);
-  const double share = ShareBeyondAccident(count, accident);
-  return share > accident ? share : 0.0;
 }
 
 double SpreadArea(const std::vector<Eigen::Vector2d>& features) {

@@ -1,7 +1,8 @@
-// Pieces of the a-contrario test: tails of the binomial, and how often a WRONG pair agrees under a
+// Pieces of the a-contrario test: tails of the binomial, and how often a WRONG match agrees with a
 // pose. Pure functions.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "server/refinement/refine.h"
@@ -29,27 +30,29 @@ double ShareBeyondAccident(const PairCount& count, double expected_share);
 // Evidence of one feature type under a pose.
 struct Agreement {
   int matches = 0;
-  int distinct_inliers = 0;  // features closer together than the threshold count once
-  PairCount wrong_pairs;     // (feature i, outlier's landmark j) with i and j seen apart
+  int distinct_inliers = 0;   // features closer together than the threshold count once
+  PairCount wrong_pairs;      // (feature i, outlier's landmark j) with i and j seen apart
+  double shared_shift = 0.0;  // see below; 0 unless it is more than accident
 };
 
-// `threshold` in the plane z = 1. Looks at no more than about 250 x 250 pairs, evenly spread.
+// `shared_shift`: how probable is it that two wrong matches are off alike? Match i is off by d_i =
+// seen_i - projected_i. In a picture of equal windows, where each match takes a window of its own
+// for another, wrong matches agree in being some windows off, and a pose that explains "none off"
+// is as probable as one that explains "one off". It is the share of pairs of outliers, seen apart,
+// whose d agree within the threshold or a twentieth of their length (perspective).
+//
+// `threshold` and lengths in the plane z = 1. Looks at no more than about 160 x 160 pairs, evenly
+// spread; O(n log n) otherwise.
 Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
                          const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
                          double threshold);
+
+// Lines are compared with lines of like direction in the image alone (10 degrees): a row of windows
+// is taken for another row, never for a column, so that the share among all pairs would flatter.
+// d is the shift across the line.
 Agreement LineAgreement(const std::vector<LineCorrespondence>& lines,
                         const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
                         double threshold, double min_length);
-
-// How probable is it that two wrong matches are displaced alike? Under a pose, match i is off by
-// d_i = seen_i - projected_i. In a picture of equal windows, where each match takes a window of its
-// own for another, wrong matches agree in being some windows off, and a pose that explains "none
-// off" is as probable as one that explains "one off". Share of pairs of outliers, seen apart, whose
-// displacements agree within the threshold or a twentieth of their length (perspective); 0 unless
-// that is more than accident.
-double SharedDisplacementRate(const std::vector<PointCorrespondence>& points,
-                              const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
-                              double threshold);
 
 // Area of the plane z = 1 over which the features spread: that of the rectangle whose uniform
 // distribution has their covariance. 0 for fewer than 3.

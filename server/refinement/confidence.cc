@@ -23,11 +23,11 @@ constexpr double kOddsPerFalseAlarm = 1e4;
 constexpr PoseSpread kMaxSpread = {.rotation_rad = 5.0 * std::numbers::pi / 180.0,
                                    .position_share = 0.1};
 constexpr double kUndeterminedConfidence = 0.5;
-// Lines of buildings repeat, and agree in whole rows: however many, they count for no more than one
-// in ten thousand. So lines alone never reach 0.99; they help points to.
-constexpr double kLeastLogLineChance = -4.0;
 // Pairs of outliers share a displacement less often than a pattern's commonest one occurs.
 constexpr double kRepeatFactor = 3.0;
+// How often a wrong line agrees where nothing is known: in buildings one in ten, by so many pairs.
+constexpr double kLinePrior = 0.1;
+constexpr double kLinePriorPairs = 30.0;
 
 // The share of the image that one inlier's disc or strip covers.
 struct ChanceRates {
@@ -48,6 +48,24 @@ ChanceRates RatesFromAreas(const PoseProblem& problem, double threshold, double 
   return rates;
 }
 
+// Shifts near zero are the most frequent of a repeated pattern.
+double ChanceOfPoint(const Agreement& points, double from_area) {
+  return std::min(1.0, std::max(ShareBeyondAccident(points.wrong_pairs, from_area),
+                                kRepeatFactor * points.shared_shift));
+}
+
+// As for points, and two things more. Pairs of wrong lines that agree tell less than the matches
+// do: descriptors match like with like. And few like lines tell nothing: then it is `kLinePrior`.
+double ChanceOfLine(const Agreement& lines, double from_area, double shared_shift_of_points) {
+  const double shared = std::max(lines.shared_shift, shared_shift_of_points);
+  const double wrong = ShareBeyondAccident(lines.wrong_pairs, from_area);
+  const double of_pattern = kRepeatFactor * std::max(shared, wrong > from_area ? wrong : 0.0);
+  const double guarded =
+      (static_cast<double>(lines.wrong_pairs.agreeing) + kLinePriorPairs * kLinePrior) /
+      (static_cast<double>(lines.wrong_pairs.pairs) + kLinePriorPairs);
+  return std::min(1.0, std::max({from_area, of_pattern, guarded}));
+}
+
 }  // namespace
 
 double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pose,
@@ -60,22 +78,14 @@ double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pos
   const Agreement lines = LineAgreement(problem.lines, pose.line_inliers, matrix, threshold,
                                         kMinProjectedLinePx / focal);
   const ChanceRates rates = RatesFromAreas(problem, threshold, image_area);
-  // Shifts near zero are the most frequent of a repeated pattern, and lines of a pattern share
-  // more than their place with each other.
-  const double shared =
-      kRepeatFactor * SharedDisplacementRate(problem.points, pose.point_inliers, matrix, threshold);
-  const double point_rate =
-      std::min(1.0, std::max(ShareBeyondAccident(points.wrong_pairs, rates.point), shared));
-  const double wrong_lines = ShareBeyondAccident(lines.wrong_pairs, rates.line);
-  const double line_rate = std::min(
-      1.0, std::max(wrong_lines > rates.line ? kRepeatFactor * wrong_lines : rates.line, shared));
+  const double point_rate = ChanceOfPoint(points, rates.point);
+  const double line_rate = ChanceOfLine(lines, rates.line, points.shared_shift);
   const int used_points = std::min(kFeaturesOfPose, points.distinct_inliers);
   const int used_lines = std::min(kFeaturesOfPose - used_points, lines.distinct_inliers);
   const double log_points = LogBinomialTail(points.matches - used_points,
                                             points.distinct_inliers - used_points, point_rate);
-  const double log_lines = std::max(
-      LogBinomialTail(lines.matches - used_lines, lines.distinct_inliers - used_lines, line_rate),
-      kLeastLogLineChance);
+  const double log_lines =
+      LogBinomialTail(lines.matches - used_lines, lines.distinct_inliers - used_lines, line_rate);
   const double tests = kPosesPerIteration * std::max(options.iterations, kMinIterations);
   return std::log10(tests) + CombineLogPValues(log_points, log_lines);
 }

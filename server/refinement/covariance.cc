@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include "server/refinement/cost_functions.h"
+#include "server/refinement/pose_residuals.h"
 
 namespace maploc {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
@@ -89,11 +90,15 @@ double LargestSigma(const Eigen::Matrix3d& covariance) {
   return std::sqrt(std::max(eigen.eigenvalues().maxCoeff(), 0.0));
 }
 
-// `covariance` of (w, d), reprojection.h.
-bool IsWithin(const PoseMatrix& pose, const Matrix6& covariance, double rotation, double position) {
+// The largest of the variances, as a share of those allowed. `covariance` of (w, d),
+// reprojection.h.
+double ShareOfLimit(const PoseMatrix& pose, const Matrix6& covariance, double rotation,
+                    double position) {
   const PoseCovariance moved = CovarianceOfMapFromCamera(pose, covariance);
-  return moved.allFinite() && LargestSigma(moved.bottomRightCorner<3, 3>()) <= rotation &&
-         LargestSigma(moved.topLeftCorner<3, 3>()) <= position;
+  if (!moved.allFinite()) return std::numeric_limits<double>::infinity();
+  const double share = std::max(LargestSigma(moved.bottomRightCorner<3, 3>()) / rotation,
+                                LargestSigma(moved.topLeftCorner<3, 3>()) / position);
+  return share * share;
 }
 
 }  // namespace
@@ -114,16 +119,21 @@ bool IsDetermined(const PoseProblem& problem, const RefinedPose& pose,
           ? SoftGravityCovariance(information, problem.gravity_in_camera, problem.gravity_sigma_rad)
           : FreeCovariance(information);
   const double position = limit.position_share * measurements.MedianDepth();
-  // Leaving one out by Woodbury's identity.
+  const double with_all =
+      ShareOfLimit(measurements.pose(), covariance, limit.rotation_rad, position);
+  if (!(with_all <= 1.0)) return false;
+  // Leaving one out by Woodbury's identity. Without an observation of leverage h (of its two rows
+  // together, at least the larger eigenvalue) no variance grows by more than 1 / (1 - h).
   return std::all_of(jacobians.begin(), jacobians.end(), [&](const Jacobian26& left_out) {
     const Eigen::Matrix<double, 6, 2> gain = covariance * left_out.transpose();
-    const Eigen::Matrix2d redundancy =
-        sigma * sigma * Eigen::Matrix2d::Identity() - left_out * gain;
+    const Eigen::Matrix2d explained = left_out * gain;
+    if (with_all <= 1.0 - explained.trace() / (sigma * sigma)) return true;
+    const Eigen::Matrix2d redundancy = sigma * sigma * Eigen::Matrix2d::Identity() - explained;
     const double least = kLeastRedundancy * sigma * sigma;
     if (redundancy.determinant() < least * least) return false;
-    return IsWithin(measurements.pose(),
-                    covariance + gain * redundancy.inverse() * gain.transpose(), limit.rotation_rad,
-                    position);
+    return ShareOfLimit(measurements.pose(),
+                        covariance + gain * redundancy.inverse() * gain.transpose(),
+                        limit.rotation_rad, position) <= 1.0;
   });
 }
 

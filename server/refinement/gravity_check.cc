@@ -1,7 +1,9 @@
 #include "server/refinement/gravity_check.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <numbers>
+#include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -12,6 +14,7 @@ namespace maploc {
 namespace {
 
 constexpr double kChiSquare2AtOneInTenThousand = 18.42068;
+constexpr std::ptrdiff_t kEnoughInliers = 200;
 constexpr double kLeastGravitySigmaRad = 0.1 * std::numbers::pi / 180.0;
 
 // The turn about the map's x and y axes that takes the map's gravity to the measured one.
@@ -22,6 +25,26 @@ Eigen::Vector2d Tilt(const PoseProblem& problem, const Rigid3& camera_from_map) 
   const Eigen::Vector2d axis = kGravityInMap.cross(measured_in_map).head<2>();
   if (!(axis.norm() > 0)) return {angle, 0.0};
   return angle * axis.normalized();
+}
+
+template <typename Feature>
+std::vector<Feature> EveryKth(std::size_t step, const std::vector<Feature>& features) {
+  std::vector<Feature> kept;
+  for (std::size_t i = 0; i < features.size(); i += step) kept.push_back(features[i]);
+  return kept;
+}
+
+// Where there are hundreds of inliers, a part of the matches tells tilt far better than any
+// accelerometer.
+PoseProblem EnoughOf(const PoseProblem& problem, const RefinedPose& pose) {
+  const auto inliers = std::count(pose.point_inliers.begin(), pose.point_inliers.end(), 1) +
+                       std::count(pose.line_inliers.begin(), pose.line_inliers.end(), 1);
+  const auto step = static_cast<std::size_t>((inliers + kEnoughInliers - 1) / kEnoughInliers);
+  if (step <= 1) return problem;
+  PoseProblem part = problem;
+  part.points = EveryKth(step, problem.points);
+  part.lines = EveryKth(step, problem.lines);
+  return part;
 }
 
 }  // namespace
@@ -40,7 +63,7 @@ GravityCheck CheckGravity(const PoseProblem& problem, const RefinedPose& pose,
   if (!problem.has_gravity) return {};
   RefineOptions free = options;
   free.mode = Refinement::k6Dof;
-  const RefinedPose matches_alone = RefinePose(problem, pose.camera_from_map, free);
+  const RefinedPose matches_alone = RefinePose(EnoughOf(problem, pose), pose.camera_from_map, free);
   if (!matches_alone.converged) return {pose.gravity_disagreement_rad, true};
   return CompareGravity(problem, matches_alone);
 }

@@ -19,7 +19,8 @@ struct GravityCheck {
 };
 
 // Refines `pose` without gravity, by inliers gathered anew, and compares. Where the matches alone
-// do not hold a pose, or nothing was measured, gravity is consistent. Deterministic; thread-safe.
+// do not hold a pose, or nothing was measured, gravity is consistent. Looks at some 200
+// inliers. Deterministic; thread-safe.
 GravityCheck CheckGravity(const PoseProblem& problem, const RefinedPose& pose,
                           const RefineOptions& options);
 

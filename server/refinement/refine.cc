@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <utility>
 
+#include <ceres/tiny_solver.h>
+
 #include "mapstore/geometry/gravity.h"
-#include "server/refinement/cost_functions.h"
 #include "server/refinement/covariance.h"
+#include "server/refinement/pose_residuals.h"
 #include "server/solvers/reprojection.h"
 
 namespace maploc {
@@ -17,6 +18,25 @@ namespace {
 // threshold does.
 constexpr double kLossScaleSigmas = 2.5;
 constexpr int kMaxSolverIterations = 20;
+constexpr double kFunctionTolerance = 1e-9;  // change of the sum of squares a residual, in sigmas^2
+
+// The first round looks at no more than about so many: it only has to come near.
+constexpr int kCoarseFeatures = 200;
+
+// PoseResiduals as Ceres' solver of small dense problems wants them.
+template <int kParameters>
+struct TinyFunction {
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = kParameters };
+
+  const PoseResiduals& residuals;
+
+  int NumResiduals() const { return residuals.count(); }
+  bool operator()(const double* parameters, double* values, double* jacobian) const {
+    residuals.Evaluate(parameters, values, jacobian);
+    return true;
+  }
+};
 
 // The map moved to `origin`, so that a map 500 km from its own keeps its digits in the equations.
 PoseProblem Recentred(const PoseProblem& problem, const Eigen::Vector3d& origin) {
@@ -35,6 +55,23 @@ Eigen::Vector3d SomeLandmark(const PoseProblem& problem) {
   return Eigen::Vector3d::Zero();
 }
 
+// Every k-th flagged feature of each kind, evenly spread, so that about `count` are left.
+void ThinOut(std::size_t step, std::vector<std::uint8_t>* flags) {
+  std::size_t seen = 0;
+  for (std::uint8_t& flag : *flags) {
+    if (flag != 0 && seen++ % step != 0) flag = 0;
+  }
+}
+
+InlierFlags Thinned(InlierFlags inliers, int count) {
+  const std::size_t step = static_cast<std::size_t>((inliers.count + count - 1) / count);
+  ThinOut(step, &inliers.points);
+  ThinOut(step, &inliers.lines);
+  inliers.count = static_cast<int>(std::count(inliers.points.begin(), inliers.points.end(), 1) +
+                                   std::count(inliers.lines.begin(), inliers.lines.end(), 1));
+  return inliers;
+}
+
 // Enough to determine the pose: gravity is worth one feature.
 int MinFeatures(Refinement mode) { return mode == Refinement::k6Dof ? 3 : 2; }
 
@@ -50,10 +87,12 @@ class Refiner {
     RefinedPose refined;
     InlierFlags inliers = Inliers(pose);
     for (int round = 0; round < options_.max_rounds; ++round) {
-      if (inliers.count < MinFeatures(mode_) || !Solve(inliers, &pose)) break;
+      const bool coarse = round == 0 && inliers.count > kCoarseFeatures;
+      if (inliers.count < MinFeatures(mode_)) break;
+      if (!Solve(coarse ? Thinned(inliers, kCoarseFeatures) : inliers, &pose)) break;
       refined.converged = true;
       InlierFlags next = Inliers(pose);
-      const bool stays = next.points == inliers.points && next.lines == inliers.lines;
+      const bool stays = !coarse && next.points == inliers.points && next.lines == inliers.lines;
       inliers = std::move(next);
       if (stays) break;
     }
@@ -75,34 +114,33 @@ class Refiner {
   }
 
   bool Solve(const InlierFlags& inliers, Rigid3* pose) const {
-    const RotationChart chart = mode_ == Refinement::k4Dof
-                                    ? YawChart(pose->rotation, problem_.gravity_in_camera)
-                                    : FreeChart(pose->rotation);
-    double turn[3] = {0, 0, 0};
-    Eigen::Vector3d translation = pose->translation;
-    ceres::Problem::Options ownership;
-    ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    ceres::CauchyLoss loss(LossScale());
-    ceres::Problem least_squares(ownership);
-    AddFeatures(inliers, chart, &loss, turn, translation.data(), &least_squares);
-    if (mode_ == Refinement::kAuto) {
-      const double gravity_sigma = std::max(problem_.gravity_sigma_rad, kMinGravitySigmaRad);
-      least_squares.AddResidualBlock(
-          MakeGravityCost(chart, problem_.gravity_in_camera, gravity_sigma).release(), nullptr,
-          turn);
+    if (mode_ == Refinement::k4Dof) {
+      return Solve<1>(inliers, YawChart(pose->rotation, problem_.gravity_in_camera), pose);
     }
-    ceres::Solver::Options solver;
-    solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-    solver.max_num_iterations = kMaxSolverIterations;
-    solver.function_tolerance = 1e-8;
-    solver.parameter_tolerance = 1e-9;
-    solver.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(solver, &least_squares, &summary);
-    if (!summary.IsSolutionUsable() || !translation.allFinite()) return false;
-    pose->rotation = Eigen::Quaterniond(chart.Rotation(turn)).normalized();
-    pose->translation = translation;
+    return Solve<3>(inliers, FreeChart(pose->rotation), pose);
+  }
+
+  template <int kTurns>
+  bool Solve(const InlierFlags& inliers, const RotationChart& chart, Rigid3* pose) const {
+    const PoseResiduals residuals(problem_, inliers, chart, Scales());
+    ceres::TinySolver<TinyFunction<kTurns + 3>> solver;
+    solver.options.max_num_iterations = kMaxSolverIterations;
+    solver.options.function_tolerance = kFunctionTolerance * residuals.count();
+    Eigen::Matrix<double, kTurns + 3, 1> parameters = Eigen::Matrix<double, kTurns + 3, 1>::Zero();
+    parameters.template tail<3>() = pose->translation;
+    const auto summary = solver.Solve({residuals}, &parameters);
+    if (!parameters.allFinite() || !std::isfinite(summary.final_cost)) return false;
+    pose->rotation = Eigen::Quaterniond(chart.Rotation(parameters.data())).normalized();
+    pose->translation = parameters.template tail<3>();
     return true;
+  }
+
+  ResidualScales Scales() const {
+    ResidualScales scales{.feature_sigma = sigma_, .loss_scale = LossScale()};
+    if (mode_ == Refinement::kAuto) {
+      scales.gravity_sigma_rad = std::max(problem_.gravity_sigma_rad, kMinGravitySigmaRad);
+    }
+    return scales;
   }
 
   // Where gravity is held, its error shows in the residuals of good matches, in sigmas of a pixel.
@@ -110,21 +148,6 @@ class Refiner {
     const double from_gravity =
         mode_ == Refinement::k4Dof ? problem_.gravity_sigma_rad / sigma_ : 0.0;
     return kLossScaleSigmas * std::hypot(1.0, from_gravity);
-  }
-
-  void AddFeatures(const InlierFlags& inliers, const RotationChart& chart,
-                   ceres::LossFunction* loss, double* turn, double* translation,
-                   ceres::Problem* least_squares) const {
-    for (std::size_t i = 0; i < problem_.points.size(); ++i) {
-      if (inliers.points[i] == 0) continue;
-      least_squares->AddResidualBlock(MakePointCost(chart, problem_.points[i], sigma_).release(),
-                                      loss, turn, translation);
-    }
-    for (std::size_t i = 0; i < problem_.lines.size(); ++i) {
-      if (inliers.lines[i] == 0) continue;
-      least_squares->AddResidualBlock(MakeLineCost(chart, problem_.lines[i], sigma_).release(),
-                                      loss, turn, translation);
-    }
   }
 
   PoseCovariance Covariance(const Rigid3& pose, const InlierFlags& inliers) const {

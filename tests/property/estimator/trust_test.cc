@@ -64,35 +64,62 @@ TEST(Trust, RepeatedPatternsAreNeverBelieved) {
   int believed = 0;
   for (int i = 0; i < 1000; ++i) {
     const int matches = 50 + static_cast<int>(random.Below(200));
+    const double line_share = i % 3 == 0 ? 0.0 : random.Uniform(0.3, 0.8);
     const PoseProblem problem =
-        MakeRepeatedPattern({.matches = matches, .line_share = i % 2 == 0 ? 0.0 : 0.4}, random);
+        MakeRepeatedPattern({.matches = matches, .line_share = line_share}, random);
     const double confidence = Localize(problem, random.Next(), 300).confidence;
     believed += confidence >= kBar ? 1 : 0;
   }
   EXPECT_EQ(believed, 0) << "of 1000";
 }
 
-TEST(Trust, TruthWithFewInliersIsBelieved) {
+struct Believed {
+  int queries = 0;
+  int wrong = 0;
+};
+
+Believed CountBelieved(SyntheticOptions options, int trials) {
   Random random = TestRandom();
-  for (const int inliers : {8, 10, 12}) {
-    int believed = 0;
-    int wrong = 0;
-    for (int i = 0; i < 200; ++i) {
-      SyntheticOptions options;
-      options.scene = i % 2 == 0 ? Scene::kCube : Scene::kCorridor;
-      options.point_inliers = inliers;
-      options.point_outliers = 30 - inliers;
-      options.gravity_noise_rad = options.gravity_sigma_rad = 1.0 * kDegree;
-      const SyntheticProblem made = MakeSyntheticProblem(options, random);
-      const Answer answer = Localize(made.problem, random.Next(), 10000);
-      if (answer.confidence < kBar) continue;
-      ++believed;
-      const PoseError error = ComparePoses(answer.camera_from_map, made.camera_from_map);
-      wrong += error.rotation_rad > 5.0 * kDegree || error.position > 1.0 ? 1 : 0;
-    }
-    EXPECT_GE(believed, inliers >= 10 ? 190 : 160) << inliers << " of 30, 200 queries";
-    EXPECT_EQ(wrong, 0);
+  Believed believed;
+  for (int i = 0; i < trials; ++i) {
+    options.scene = i % 2 == 0 ? Scene::kCube : Scene::kCorridor;
+    options.gravity_noise_rad = options.gravity_sigma_rad = 1.0 * kDegree;
+    const SyntheticProblem made = MakeSyntheticProblem(options, random);
+    const Answer answer = Localize(made.problem, random.Next(), 10000);
+    if (answer.confidence < kBar) continue;
+    ++believed.queries;
+    const PoseError error = ComparePoses(answer.camera_from_map, made.camera_from_map);
+    believed.wrong += error.rotation_rad > 5.0 * kDegree || error.position > 1.0 ? 1 : 0;
   }
+  return believed;
+}
+
+TEST(Trust, TruthWithFewInliersIsBelieved) {
+  for (const int inliers : {8, 10, 12}) {
+    const Believed believed =
+        CountBelieved({.point_inliers = inliers, .point_outliers = 30 - inliers}, 200);
+    EXPECT_GE(believed.queries, inliers >= 10 ? 190 : 160) << inliers << " of 30, 200 queries";
+    EXPECT_EQ(believed.wrong, 0);
+  }
+}
+
+// A winter's pose: points are gone, lines have stayed. The bar is 90%, less three standard
+// deviations.
+TEST(Trust, PosesCarriedByLinesAreBelieved) {
+  for (const double vertical_line_share : {0.0, 0.7}) {
+    const Believed few = CountBelieved({.point_inliers = 5,
+                                        .point_outliers = 45,
+                                        .line_inliers = 15,
+                                        .line_outliers = 15,
+                                        .vertical_line_share = vertical_line_share},
+                                       100);
+    EXPECT_GE(few.queries, 81);
+    EXPECT_EQ(few.wrong, 0);
+  }
+  const Believed many = CountBelieved(
+      {.point_inliers = 8, .point_outliers = 392, .line_inliers = 30, .line_outliers = 70}, 100);
+  EXPECT_GE(many.queries, 81);
+  EXPECT_EQ(many.wrong, 0);
 }
 
 // All map points project onto a dot when the camera is far enough away: no evidence at all.

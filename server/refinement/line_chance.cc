@@ -1,0 +1,143 @@
+// How often wrong line matches agree with a pose (chance.h).
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+#include "server/refinement/chance.h"
+#include "server/refinement/spread_indices.h"
+
+namespace maploc {
+namespace {
+
+constexpr double kLikeDirection = 0.98480775301220802;  // cosine of 10 degrees
+// As for points (chance.cc).
+constexpr double kPerspectiveShare = 0.05;
+constexpr double kNearMissThresholds = 4.0;
+
+// A line match under the pose: the seen segment, and where its landmark is seen. An image line is
+// (unit normal, offset): normal . p + offset = 0.
+struct LineUnderPose {
+  LineSegment2 seen;
+  Eigen::Vector3d seen_line = Eigen::Vector3d::Zero();
+  Eigen::Vector3d projected_line = Eigen::Vector3d::Zero();
+  bool projects = false;
+  bool alike = false;  // seen and projected have like directions
+  double shift = 0.0;  // of the seen segment's middle from the projected line; where alike
+};
+
+// Normals of like lines point alike: to the right, or down for level lines.
+Eigen::Vector3d UnitLine(const Eigen::Vector3d& line) {
+  const double norm = line.head<2>().norm();
+  if (!(norm > 0)) return Eigen::Vector3d::Zero();
+  const bool flip = std::abs(line.x()) > std::abs(line.y()) ? line.x() < 0 : line.y() < 0;
+  return (flip ? -1.0 : 1.0) / norm * line;
+}
+
+bool AreAlike(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::abs(a.head<2>().dot(b.head<2>())) > kLikeDirection;
+}
+
+bool LiesOn(const LineSegment2& segment, const Eigen::Vector3d& line, double distance) {
+  return std::abs(line.dot(segment.start.homogeneous())) < distance &&
+         std::abs(line.dot(segment.end.homogeneous())) < distance;
+}
+
+LineUnderPose Look(const LineCorrespondence& match, const PoseMatrix& pose, double min_length) {
+  LineUnderPose line;
+  line.seen = match.normalized;
+  line.seen_line = UnitLine(match.normalized.start.homogeneous().cross(
+      Eigen::Vector3d(match.normalized.end.homogeneous())));
+  const Eigen::Vector3d start = pose.rotation * match.segment_in_map.start + pose.translation;
+  const Eigen::Vector3d along =
+      pose.rotation * (match.segment_in_map.end - match.segment_in_map.start);
+  line.projected_line = UnitLine(start.cross(along));
+  line.projects = !line.projected_line.isZero() && std::max(start.z(), start.z() + along.z()) > 0 &&
+                  ProjectedLength(pose, match.segment_in_map) >= min_length;
+  line.alike = line.projects && AreAlike(line.seen_line, line.projected_line);
+  const Eigen::Vector2d middle = 0.5 * (match.normalized.start + match.normalized.end);
+  line.shift = line.projected_line.dot(middle.homogeneous());
+  return line;
+}
+
+int DistinctInliers(const std::vector<LineUnderPose>& lines,
+                    const std::vector<std::uint8_t>& inliers, double threshold) {
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (inliers[i] == 0) continue;
+    const bool is_new = std::none_of(kept.begin(), kept.end(), [&](std::size_t other) {
+      return LiesOn(lines[i].seen, lines[other].seen_line, 2.0 * threshold);
+    });
+    if (is_new) kept.push_back(i);
+  }
+  return static_cast<int>(kept.size());
+}
+
+PairCount WrongPairs(const std::vector<LineUnderPose>& lines,
+                     const std::vector<std::uint8_t>& inliers, double threshold) {
+  PairCount count;
+  const std::vector<std::size_t> looked_at = SpreadIndices(lines.size());
+  for (const std::size_t j : looked_at) {
+    if (inliers[j] != 0 || !lines[j].projects) continue;  // an inlier's place is taken
+    for (const std::size_t i : looked_at) {
+      if (i == j || !AreAlike(lines[i].seen_line, lines[j].projected_line)) continue;
+      if (LiesOn(lines[i].seen, lines[j].seen_line, 2.0 * threshold)) continue;
+      ++count.pairs;
+      count.agreeing += LiesOn(lines[i].seen, lines[j].projected_line, threshold) ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+double SharedShift(const std::vector<LineUnderPose>& lines,
+                   const std::vector<std::uint8_t>& inliers, double threshold) {
+  std::vector<LineUnderPose> outliers;
+  double sum2 = 0.0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (inliers[i] != 0 || !lines[i].alike) continue;
+    if (std::abs(lines[i].shift) < kNearMissThresholds * threshold) continue;
+    outliers.push_back(lines[i]);
+    sum2 += lines[i].shift * lines[i].shift;
+  }
+  // Shifts that are uniform over an interval about 0 have its length squared / 12 as variance.
+  const double range = std::sqrt(12.0 * sum2 / std::max<double>(1.0, outliers.size()));
+  PairCount count;
+  double expected = 0.0;
+  const std::vector<std::size_t> looked_at = SpreadIndices(outliers.size());
+  for (std::size_t a = 0; a < looked_at.size(); ++a) {
+    const LineUnderPose& one = outliers[looked_at[a]];
+    const double tolerance =
+        std::max(std::numbers::sqrt2 * threshold, kPerspectiveShare * std::abs(one.shift));
+    for (std::size_t b = a + 1; b < looked_at.size(); ++b) {
+      const LineUnderPose& other = outliers[looked_at[b]];
+      if (!AreAlike(one.seen_line, other.seen_line)) continue;
+      if (LiesOn(one.seen, other.seen_line, 2.0 * threshold)) continue;
+      ++count.pairs;
+      expected += std::min(1.0, 2.0 * tolerance / range);
+      count.agreeing += std::abs(one.shift - other.shift) < tolerance ? 1 : 0;
+    }
+  }
+  if (count.pairs == 0) return 0.0;
+  const double accident = expected / static_cast<double>(count.pairs);
+  const double share = ShareBeyondAccident(count, accident);
+  return share > accident ? share : 0.0;
+}
+
+}  // namespace
+
+Agreement LineAgreement(const std::vector<LineCorrespondence>& lines,
+                        const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
+                        double threshold, double min_length) {
+  std::vector<LineUnderPose> under_pose;
+  under_pose.reserve(lines.size());
+  for (const LineCorrespondence& line : lines) under_pose.push_back(Look(line, pose, min_length));
+  Agreement agreement;
+  agreement.matches = static_cast<int>(lines.size());
+  agreement.distinct_inliers = DistinctInliers(under_pose, inliers, threshold);
+  agreement.wrong_pairs = WrongPairs(under_pose, inliers, threshold);
+  agreement.shared_shift = SharedShift(under_pose, inliers, threshold);
+  return agreement;
+}
+
+}  // namespace maploc
