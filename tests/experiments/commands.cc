@@ -15,7 +15,12 @@ struct Flags {
 Status Run(const Experiment& experiment, const Flags& flags) {
   if (flags.run.trials < 1) return InvalidArgument("--trials", "must be at least 1");
   MAPLOC_RETURN_IF_ERROR(CheckWritable(flags.report));
-  MAPLOC_ASSIGN_OR_RETURN(const Rows rows, experiment.run(flags.run));
+  Rows earlier;
+  if (!flags.report.earlier_file.empty()) {
+    MAPLOC_ASSIGN_OR_RETURN(earlier, ReadRows(flags.report.earlier_file, experiment.name));
+  }
+  MAPLOC_ASSIGN_OR_RETURN(Rows rows, experiment.run(flags.run));
+  rows.insert(rows.end(), earlier.begin(), earlier.end());
   return ReportRows(rows, experiment.views, flags.report);
 }
 
@@ -39,6 +44,9 @@ CLI::App* AddExperiment(CLI::App& app, CommandContext& context, const Experiment
                       "KEY=VALUE: only settings whose row has this value; may be repeated");
   command->add_flag("--json", flags->report.json,
                     "A JSON list of rows on standard output, everything else on standard error");
+  command->add_option("--add", flags->report.earlier_file,
+                      "Show the rows of an earlier run's --json beside the new ones; with the same "
+                      "--seed and --trials they saw the same problems");
   command->add_option("--csv", flags->report.csv_file, "Also write the rows into this file");
   command->add_option("--plot", flags->report.plot_folder,
                       "Also draw charts (SVG) into this folder");

@@ -1,5 +1,6 @@
 #include "tests/experiments/report.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -43,6 +44,19 @@ Status CheckWritable(const ReportOptions& options) {
     return InvalidFile(options.plot_folder, "is not a folder and cannot be made one");
   }
   return Status::Ok();
+}
+
+Result<Rows> ReadRows(const std::string& path, const std::string& experiment) {
+  std::ifstream file(path);
+  const Row document = Row::parse(file, nullptr, false);
+  const auto is_row = [&](const Row& row) {
+    return row.is_object() && row.contains("method") &&
+           row.value("experiment", Row()) == experiment;
+  };
+  if (!document.is_array() || !std::ranges::all_of(document, is_row)) {
+    return InvalidFile(path, "is no list of rows of " + experiment + "; make one with --json");
+  }
+  return Rows(document.begin(), document.end());
 }
 
 Status ReportRows(const Rows& rows, const std::vector<View>& views, const ReportOptions& options) {

@@ -11,12 +11,16 @@ namespace maploc::experiments {
 
 struct ReportOptions {
   bool json = false;
-  std::string csv_file;     // empty: none
-  std::string plot_folder;  // empty: none; made where it is missing
+  std::string earlier_file;  // empty: none; rows of an earlier --json, shown after the new ones
+  std::string csv_file;      // empty: none
+  std::string plot_folder;   // empty: none; made where it is missing
 };
 
 // Fails where a file cannot be written: asked before hours are spent on an experiment.
 Status CheckWritable(const ReportOptions& options);
+
+// The rows of an earlier run's --json. Fails where the file holds no list of rows of `experiment`.
+Result<Rows> ReadRows(const std::string& path, const std::string& experiment);
 
 Status ReportRows(const Rows& rows, const std::vector<View>& views, const ReportOptions& options);
 

@@ -142,6 +142,17 @@ TEST_F(Scratch, WritesCsvAndCharts) {
   }
 }
 
+TEST_F(Scratch, AddsTheRowsOfAnEarlierRun) {
+  const std::string file = (folder_ / "earlier.json").string();
+  const std::string only = "robustness --trials 1 --only inliers=10 --only outlier_rate=0.8 ";
+  EXPECT_EQ(RunExperiments(only + "--methods p3p --json >" + file).exit_code, 0);
+  const nlohmann::json rows = Rows(only + "--methods 2p-auto --add " + file);
+  ASSERT_EQ(rows.size(), 4u);
+  EXPECT_EQ(rows[0]["method"], "2p-auto");
+  EXPECT_EQ(rows[3]["method"], "p3p");
+  EXPECT_EQ(RunExperiments("timing --trials 1 --add " + file + " 2>&1").exit_code, 1);
+}
+
 TEST(Experiments, WrongUsageIsTwo) {
   EXPECT_EQ(RunExperiments("nothing 2>&1").exit_code, 2);
   EXPECT_EQ(RunExperiments("2>&1").exit_code, 2);
