@@ -1,6 +1,7 @@
 #include "server/refinement/confidence.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -16,9 +17,15 @@ constexpr int kFeaturesOfPose = 3;
 // Poses tried an iteration: two solutions, and what local optimization tries around the best.
 constexpr double kPosesPerIteration = 20.0;
 constexpr int kMinIterations = 100;
-// From false alarms to confidence, 1 / (1 + odds NFA): the assumed odds of a wrong pose per false
-// alarm. 0.99 needs an NFA of 1e-6.
-constexpr double kOddsPerFalseAlarm = 1e4;
+// From log10 of the number of false alarms to the log odds that the pose is right: what was
+// observed where one query of thirty holds any truth and the others are mostly facades of repeated
+// patterns (README: the table, and how it was made). 0.99 is at 10^-5.5. Linear between the knots.
+struct Knot {
+  double log_false_alarms;
+  double log_odds;
+};
+constexpr std::array<Knot, 6> kCalibration = {
+    {{-12.0, 9.2}, {-5.5, 4.5952}, {-2.0, 2.3}, {0.0, 0.8}, {2.0, -1.7}, {3.5, -5.0}}};
 // A pose that its inliers do not determine is not to be trusted, however unlikely they are.
 constexpr PoseSpread kMaxSpread = {.rotation_rad = 5.0 * std::numbers::pi / 180.0,
                                    .position_share = 0.1};
@@ -66,6 +73,21 @@ double ChanceOfLine(const Agreement& lines, double from_area, double shared_shif
   return std::min(1.0, std::max({from_area, of_pattern, guarded}));
 }
 
+double LogOdds(double log_false_alarms) {
+  if (log_false_alarms <= kCalibration.front().log_false_alarms) {
+    return kCalibration.front().log_odds;
+  }
+  for (std::size_t i = 1; i < kCalibration.size(); ++i) {
+    const Knot& a = kCalibration[i - 1];
+    const Knot& b = kCalibration[i];
+    if (log_false_alarms > b.log_false_alarms) continue;
+    const double share =
+        (log_false_alarms - a.log_false_alarms) / (b.log_false_alarms - a.log_false_alarms);
+    return a.log_odds + share * (b.log_odds - a.log_odds);
+  }
+  return kCalibration.back().log_odds;
+}
+
 }  // namespace
 
 double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pose,
@@ -90,11 +112,14 @@ double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pos
   return std::log10(tests) + CombineLogPValues(log_points, log_lines);
 }
 
+double ConfidenceOf(double log_false_alarms) {
+  return 1.0 / (1.0 + std::exp(-LogOdds(log_false_alarms)));
+}
+
 double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
                       const ConfidenceOptions& options) {
   if (!pose.converged) return 0.0;
-  const double log_alarms = LogNumberOfFalseAlarms(problem, pose, options);
-  const double confidence = 1.0 / (1.0 + kOddsPerFalseAlarm * std::pow(10.0, log_alarms));
+  const double confidence = ConfidenceOf(LogNumberOfFalseAlarms(problem, pose, options));
   if (confidence <= kUndeterminedConfidence) return confidence;
   return IsDetermined(problem, pose, options.max_reprojection_error_px, kMaxSpread)
              ? confidence

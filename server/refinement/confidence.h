@@ -12,9 +12,12 @@
 //   * the inlier disc's share of the area that the matched features cover;
 //   * the share of WRONG pairs (feature i, landmark j != i) that agree under this very pose: it
 //   sees
-//     repeated patterns, clusters and cameras so far away that the whole map is a dot.
-// Features closer together than the threshold count once. Lines count for at most 1e-4, so that
-// rows of windows alone never reach the bar.
+//     repeated patterns, clusters and cameras so far away that the whole map is a dot;
+//   * three times the share of wrong matches that are off alike (chance.h).
+// Features closer together than the threshold count once.
+//
+// Calibrated: of many answers told with a confidence c, the share c is right, in a population where
+// one query of thirty holds any truth (README); where more do, more are right.
 #pragma once
 
 #include "mapstore/model/localization.h"
@@ -36,6 +39,10 @@ struct ConfidenceOptions {
 // for LOCALIZED. Deterministic; thread-safe.
 double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
                       const ConfidenceOptions& options);
+
+// The calibration: from log10 of the number of false alarms to a probability. Strictly monotone but
+// for its ends, 0.0067 and 0.9999.
+double ConfidenceOf(double log_false_alarms);
 
 // log10 of the number of false alarms: the test inside PoseConfidence. Negative is good.
 double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pose,

@@ -34,5 +34,19 @@ TEST(SpreadArea, OfAUniformRectangleIsItsArea) {
   EXPECT_EQ(SpreadArea({{0, 0}, {1, 1}}), 0.0);
 }
 
+TEST(ConfidenceOf, FallsWithFalseAlarmsAndIsTheBarWhereTheCalibrationHasIt) {
+  double last = 1.0;
+  for (double log_alarms = -14; log_alarms < 5; log_alarms += 0.1) {
+    const double confidence = ConfidenceOf(log_alarms);
+    EXPECT_LE(confidence, last);
+    EXPECT_GT(confidence, 0.0);
+    EXPECT_LT(confidence, 1.0);
+    last = confidence;
+  }
+  EXPECT_GE(ConfidenceOf(-5.5), 0.99);
+  EXPECT_LT(ConfidenceOf(-5.4), 0.99);
+  EXPECT_LT(ConfidenceOf(3.0), 0.05);
+}
+
 }  // namespace
 }  // namespace maploc::testing
