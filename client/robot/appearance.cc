@@ -6,7 +6,7 @@ namespace {
 constexpr std::array<std::string_view, 4> kNames = {"summer", "autumn", "winter", "spring"};
 
 // A row a kind, a column a season (in the enums' order).
-constexpr Change kChanges[6][4] = {
+constexpr Change kChanges[kLandmarkKinds][4] = {
     // corners on walls: light and shadow move, notices go, one window looks like the next
     {{0.10, 0.30, 0.04}, {0.20, 0.50, 0.08}, {0.30, 0.60, 0.11}, {0.20, 0.50, 0.08}},
     // leaves: even in summer the wind moves them; in winter there are none, and twigs instead
@@ -19,6 +19,8 @@ constexpr Change kChanges[6][4] = {
     {{0.15, 0.20, 0.04}, {0.20, 0.30, 0.08}, {0.20, 0.35, 0.09}, {0.20, 0.30, 0.08}},
     // branches: hidden by leaves, bent by wind, one like the next
     {{0.20, 0.70, 0.06}, {0.30, 0.80, 0.11}, {0.40, 0.90, 0.13}, {0.30, 0.80, 0.11}},
+    // poles of a scaffold: all alike, and put up anew every few weeks
+    {{0.20, 0.60, 0.04}, {0.40, 0.90, 0.08}, {0.40, 0.90, 0.10}, {0.40, 0.90, 0.08}},
 };
 
 }  // namespace
@@ -34,6 +36,14 @@ std::optional<Season> SeasonFromName(std::string_view name) {
 
 Change ChangeOf(LandmarkKind kind, Season season) {
   return kChanges[static_cast<int>(kind)][static_cast<int>(season)];
+}
+
+Appearance AppearanceOf(Season season) {
+  Appearance appearance;
+  for (int kind = 0; kind < kLandmarkKinds; ++kind) {
+    appearance[kind] = ChangeOf(static_cast<LandmarkKind>(kind), season);
+  }
+  return appearance;
 }
 
 BinaryDescriptor RandomDescriptor(Random& random) {

@@ -26,8 +26,10 @@ enum class LandmarkKind {
   kGroundPoint,
   kWallLine,
   kTrunkLine,
-  kBranchLine
+  kBranchLine,
+  kScaffoldLine
 };
+inline constexpr int kLandmarkKinds = 7;
 
 // What happens to one observation of a landmark. Probabilities.
 struct Change {
@@ -36,6 +38,10 @@ struct Change {
   double flip;        // of each bit, in any case
 };
 Change ChangeOf(LandmarkKind kind, Season season);
+
+// How a day shows every kind of landmark, in the order of LandmarkKind.
+using Appearance = std::array<Change, kLandmarkKinds>;
+Appearance AppearanceOf(Season season);
 
 using BinaryDescriptor = std::array<std::uint8_t, 32>;
 

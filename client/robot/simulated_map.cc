@@ -55,7 +55,7 @@ class MappingDrive {
     image.camera_from_source =
         SimulatedCameraFromBody() * WorldFromBody(world_, along_m, 0.0, 0.0, 0.0, 0.0).Inverse();
     Sight sight = Look(world_, model_.cameras.at(kCameraId), image.camera_from_source,
-                       Season::kSummer, options_.sight, random_);
+                       AppearanceOf(Season::kSummer), options_.sight, random_);
     for (std::size_t i = 0; i < sight.point_landmarks.size(); ++i) {
       image.keypoints_px.push_back(sight.points.keypoints_px[i].cast<double>());
       image.point_ids.push_back(-1);
@@ -76,7 +76,8 @@ class MappingDrive {
       if (static_cast<int>(track.size()) < options_.min_track) continue;
       ColmapPoint point;
       point.id = landmark + 1;
-      point.position_in_source = world_.points[landmark].position + Noise();
+      point.position_in_source =
+          world_.points[landmark].position + Noise(options_.position_noise_m);
       point.error_px = options_.sight.noise_px;
       point.track = track;
       for (const ColmapPoint::Observation& seen : track) {
@@ -91,7 +92,8 @@ class MappingDrive {
     for (const auto& [landmark, seen] : line_observations_) {
       if (static_cast<int>(seen.size()) < options_.min_track) continue;
       const LineSegment3& segment = world_.lines[landmark].segment;
-      LineTrack track{landmark, {segment.start + Noise(), segment.end + Noise()}, {}};
+      const double sigma_m = options_.line_noise_m;
+      LineTrack track{landmark, {segment.start + Noise(sigma_m), segment.end + Noise(sigma_m)}, {}};
       for (const LineObservation& observation : seen)
         track.image_ids.push_back(observation.image_id);
       const int kept = std::min(static_cast<int>(seen.size()), options_.max_line_descriptors);
@@ -106,9 +108,8 @@ class MappingDrive {
     }
   }
 
-  Eigen::Vector3d Noise() {
-    const double sigma = options_.position_noise_m;
-    return {random_.Gaussian(sigma), random_.Gaussian(sigma), random_.Gaussian(sigma)};
+  Eigen::Vector3d Noise(double sigma_m) {
+    return {random_.Gaussian(sigma_m), random_.Gaussian(sigma_m), random_.Gaussian(sigma_m)};
   }
 
   const World& world_;

@@ -49,10 +49,10 @@ SimulatedRobot::SimulatedRobot(const World& world, const DriveOptions& options, 
 }
 
 std::string SimulatedRobot::QueryName(int index) const {
-  char name[32];
-  std::snprintf(name, sizeof(name), "%s/%04d", std::string(SeasonName(options_.season)).c_str(),
-                index);
-  return name;
+  char number[16];
+  std::snprintf(number, sizeof(number), "/%04d", index);
+  return (options_.name.empty() ? std::string(SeasonName(options_.season)) : options_.name) +
+         number;
 }
 
 Rigid3 SimulatedRobot::ReferenceMapFromBody(int index) const {
@@ -63,7 +63,8 @@ Result<Query> SimulatedRobot::MakeQuery(int index) const {
   Random random = Random(options_.seed).Fork(static_cast<std::uint64_t>(index));
   const Rigid3 camera_from_body = SimulatedCameraFromBody();
   const Rigid3 camera_from_world = camera_from_body * world_from_body_[index].Inverse();
-  Sight sight = Look(world_, camera_, camera_from_world, options_.season, options_.sight, random);
+  const Appearance appearance = options_.appearance.value_or(AppearanceOf(options_.season));
+  Sight sight = Look(world_, camera_, camera_from_world, appearance, options_.sight, random);
   View view{camera_, camera_from_body, std::move(sight.points), std::move(sight.lines)};
   if (map_.line_descriptor.name.empty()) view.lines = {};
 

@@ -2,6 +2,7 @@
 // left, z up; its camera looks 40 degrees to the right, from 1.2 m above the ground.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct DriveOptions {
   double start_m = 0.0;  // along the lane
   double gravity_noise_deg = 0.5;
   Season season = Season::kSummer;
+  std::string name;                      // of its queries; empty: the season's
+  std::optional<Appearance> appearance;  // of the day; default: the season's
   SightOptions sight;
   std::uint64_t seed = 1;
 };

@@ -20,13 +20,13 @@ double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 
 class Looker {
  public:
-  Looker(const World& world, const Camera& camera, const Rigid3& camera_from_world, Season season,
-         const SightOptions& options, Random& random)
+  Looker(const World& world, const Camera& camera, const Rigid3& camera_from_world,
+         const Appearance& appearance, const SightOptions& options, Random& random)
       : world_(world),
         camera_(camera),
         camera_from_world_(camera_from_world),
         centre_(camera_from_world.Inverse().translation),
-        season_(season),
+        appearance_(appearance),
         options_(options),
         random_(random) {
     sight_.points.descriptors.kind = {"orb", 32, DescriptorMetric::kHamming};
@@ -41,9 +41,11 @@ class Looker {
   }
 
  private:
+  Change ChangeOf(LandmarkKind kind) const { return appearance_[static_cast<int>(kind)]; }
+
   void LookAtPoint(int index) {
     const WorldPoint& point = world_.points[index];
-    const Change change = ChangeOf(point.kind, season_);
+    const Change change = ChangeOf(point.kind);
     if (!IsVisible(point.position, point.wall)) return;
     const auto pixel = camera_.Project(camera_from_world_ * point.position);
     if (!pixel || !IsInImage(*pixel) || random_.Uniform() < change.unseen) return;
@@ -52,7 +54,7 @@ class Looker {
 
   void LookAtLine(int index) {
     const WorldLine& line = world_.lines[index];
-    const Change change = ChangeOf(line.kind, season_);
+    const Change change = ChangeOf(line.kind);
     const Eigen::Vector3d middle = (line.segment.start + line.segment.end) / 2.0;
     if (!IsVisible(middle, line.wall)) return;
     const auto seen = Project(line.segment);
@@ -194,7 +196,7 @@ class Looker {
   const Camera& camera_;
   const Rigid3& camera_from_world_;
   const Eigen::Vector3d centre_;
-  const Season season_;
+  const Appearance& appearance_;
   const SightOptions& options_;
   Random& random_;
   Sight sight_;
@@ -206,9 +208,9 @@ Camera SimulatedCamera() {
   return *Camera::Create(CameraModel::kPinhole, 640, 480, {380.0, 380.0, 319.5, 239.5});
 }
 
-Sight Look(const World& world, const Camera& camera, const Rigid3& camera_from_world, Season season,
-           const SightOptions& options, Random& random) {
-  return Looker(world, camera, camera_from_world, season, options, random).Look();
+Sight Look(const World& world, const Camera& camera, const Rigid3& camera_from_world,
+           const Appearance& appearance, const SightOptions& options, Random& random) {
+  return Looker(world, camera, camera_from_world, appearance, options, random).Look();
 }
 
 }  // namespace maploc

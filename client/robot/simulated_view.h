@@ -32,7 +32,7 @@ struct Sight {
 // 640 x 480, 80 degrees wide.
 Camera SimulatedCamera();
 
-Sight Look(const World& world, const Camera& camera, const Rigid3& camera_from_world, Season season,
-           const SightOptions& options, Random& random);
+Sight Look(const World& world, const Camera& camera, const Rigid3& camera_from_world,
+           const Appearance& appearance, const SightOptions& options, Random& random);
 
 }  // namespace maploc

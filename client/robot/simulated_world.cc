@@ -19,45 +19,119 @@ constexpr int kWallTexturePoints = 30;  // of a house: stains, lamps, notices
 constexpr int kBushesAStretch = 3;      // of a structured one
 constexpr int kLeavesABush = 10;
 constexpr int kTreesAStretch = 16;  // of an unstructured one
-constexpr int kLeavesATree = 32;
-constexpr int kBranchesATree = 32;
 constexpr int kGroundPointsAStretch = 40;
+constexpr double kSquareOffsetM = 6.0;  // of its houses' fronts, beyond those of a row of houses
+constexpr int kTreesASquare = 4;
+constexpr int kPavementPointsASquare = 120;
+constexpr double kScaffoldLengthM = 12.0;
+constexpr double kScaffoldGapM = 3.0;
+constexpr double kScaffoldBayM = 2.5;
+constexpr int kScaffoldLevels = 4;
+constexpr int kSignPointsAScaffold = 40;  // boards and fence in front of it
 
 class Builder {
  public:
   explicit Builder(const CampusOptions& options) : random_(options.seed) {
     world_.options = options;
+    std::vector<Site>& sites = world_.options.sites;
+    for (int i = 0; options.sites.empty() && i < options.stretches; ++i) {
+      sites.push_back(i % 2 == 0 ? Site::kHouses : Site::kTrees);
+    }
+    world_.options.stretches = static_cast<int>(sites.size());
     world_.radius_m = world_.LaneLength() / (2.0 * std::numbers::pi);
   }
 
   World Build() {
     for (stretch_ = 0; stretch_ < world_.options.stretches; ++stretch_) {
       begin_m_ = stretch_ * world_.options.stretch_length_m;
-      world_.IsStructured(stretch_) ? AddStructured() : AddUnstructured();
+      AddSite();
       AddGround();
     }
     return std::move(world_);
   }
 
  private:
-  void AddStructured() {
-    const double pitch_m = kHouseLengthM + kHouseGapM;
+  void AddSite() {
+    switch (world_.SiteOf(stretch_)) {
+      case Site::kHouses:
+        return AddStructured();
+      case Site::kTrees:
+        return AddTrees(kTreesAStretch);
+      case Site::kSquare:
+        return AddSquare();
+      case Site::kConstruction:
+        return AddConstruction();
+    }
+  }
+
+  // As many as the stretch has room for, along both sides: `add` gets the middle and the side.
+  template <typename Add>
+  void AlongBothSides(double pitch_m, double offset_m, const Add& add) {
     for (const double side : {1.0, -1.0}) {
       // On the inside of the circle the same arc is shorter.
-      const double shrink = (world_.radius_m + side * kHouseOffsetM) / world_.radius_m;
-      const int houses = static_cast<int>(world_.options.stretch_length_m * shrink / pitch_m);
-      for (int i = 0; i < houses; ++i) {
-        AddHouse(begin_m_ + (i + 0.5) * world_.options.stretch_length_m / houses, side);
+      const double shrink = (world_.radius_m + side * offset_m) / world_.radius_m;
+      const int count = static_cast<int>(world_.options.stretch_length_m * shrink / pitch_m);
+      for (int i = 0; i < count; ++i) {
+        add(begin_m_ + (i + 0.5) * world_.options.stretch_length_m / count, side);
       }
     }
+  }
+
+  void AddStructured() {
+    AlongBothSides(kHouseLengthM + kHouseGapM, kHouseOffsetM,
+                   [&](double along_m, double side) { AddHouse(along_m, side, kHouseOffsetM); });
     for (int i = 0; i < kBushesAStretch; ++i) {
       const Eigen::Vector3d at = AnywhereBeside(3.5, 6.0, 0.6);
       AddCrown(at, 0.6, kLeavesABush);
     }
   }
 
-  void AddUnstructured() {
-    for (int i = 0; i < kTreesAStretch; ++i) AddTree(AnywhereBeside(4.0, 13.0, 0.0));
+  void AddTrees(int count) {
+    for (int i = 0; i < count; ++i) AddTree(AnywhereBeside(4.0, 13.0, 0.0));
+  }
+
+  void AddSquare() {
+    const double offset_m = kHouseOffsetM + kSquareOffsetM;
+    AlongBothSides(kHouseLengthM + kHouseGapM, offset_m,
+                   [&](double along_m, double side) { AddHouse(along_m, side, offset_m); });
+    AddTrees(kTreesASquare);
+    for (int i = 0; i < kPavementPointsASquare; ++i) {
+      AddPoint(AnywhereBeside(1.0, 10.0, 0.0), LandmarkKind::kGroundPoint, -1);
+    }
+  }
+
+  void AddConstruction() {
+    AlongBothSides(kScaffoldLengthM + kScaffoldGapM, kHouseOffsetM,
+                   [&](double along_m, double side) { AddScaffold(along_m, side); });
+  }
+
+  // Poles and planks before a raw wall, which hides what is behind; signs and a fence before it.
+  void AddScaffold(double along_m, double side) {
+    const double heading = world_.HeadingAt(along_m) + random_.Uniform(-0.1, 0.1);
+    const Eigen::Vector3d along(std::cos(heading), std::sin(heading), 0.0);
+    const Eigen::Vector3d outward(along.y(), -along.x(), 0.0);
+    const double height_m = kScaffoldLevels * 2.0;
+    const Eigen::Vector3d origin =
+        world_.PointAt(along_m, side * kHouseOffsetM, 0.0) - along * (kScaffoldLengthM / 2.0);
+    const int wall = static_cast<int>(world_.walls.size());
+    world_.walls.push_back({origin.head<2>(), (origin + along * kScaffoldLengthM).head<2>(),
+                            (-side * outward).head<2>(), height_m});
+    const auto at = [&](double u, double v) -> Eigen::Vector3d {
+      return origin + along * u + Eigen::Vector3d(0, 0, v);
+    };
+    for (double u = 0.0; u <= kScaffoldLengthM; u += kScaffoldBayM) {
+      AddLine({at(u, 0.0), at(u, height_m)}, LandmarkKind::kScaffoldLine, wall);
+      for (int level = 1; level <= kScaffoldLevels && u + kScaffoldBayM <= kScaffoldLengthM;
+           ++level) {
+        AddLine({at(u, 2.0 * level), at(u + kScaffoldBayM, 2.0 * level)},
+                LandmarkKind::kScaffoldLine, wall);
+      }
+    }
+    for (int i = 0; i < kSignPointsAScaffold; ++i) {
+      AddPoint(at(random_.Uniform(0.0, kScaffoldLengthM), random_.Uniform(0.3, 2.2)) -
+                   side * outward * random_.Uniform(0.3, 1.0),
+               LandmarkKind::kWallPoint, wall);
+    }
   }
 
   void AddGround() {
@@ -68,8 +142,8 @@ class Builder {
   }
 
   // A front of kFloors x kWindowsAFloor windows, turned a little against the lane.
-  void AddHouse(double along_m, double side) {
-    const double offset_m = side * (kHouseOffsetM + random_.Uniform(0.0, 2.0));
+  void AddHouse(double along_m, double side, double front_m) {
+    const double offset_m = side * (front_m + random_.Uniform(0.0, 2.0));
     const Eigen::Vector3d middle = world_.PointAt(along_m, offset_m, 0.0);
     const double turn = world_.HeadingAt(along_m) + random_.Uniform(-0.15, 0.15);
     const Eigen::Vector3d along(std::cos(turn), std::sin(turn), 0.0);
@@ -120,8 +194,8 @@ class Builder {
       const Eigen::Vector3d shift(side, 0.0, 0.0);
       AddLine({foot + shift, top + shift * 0.8}, LandmarkKind::kTrunkLine, -1);
     }
-    AddCrown(top, crown_m, kLeavesATree);
-    for (int i = 0; i < kBranchesATree; ++i) {
+    AddCrown(top, crown_m, world_.options.leaves_a_tree);
+    for (int i = 0; i < world_.options.branches_a_tree; ++i) {
       const Eigen::Vector3d from = top + Direction() * random_.Uniform(0.1, 0.6) * crown_m;
       AddLine({from, from + Direction() * random_.Uniform(1.0, 2.5)}, LandmarkKind::kBranchLine,
               -1);

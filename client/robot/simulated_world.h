@@ -1,6 +1,7 @@
 // A small made-up campus: a circular lane with houses along some stretches (walls, windows,
-// vertical edges) and trees along the others. Right-handed, z up, metres; the lane's ground is z =
-// 0 and its centre the origin; the lane runs counterclockwise from (radius, 0).
+// vertical edges) and trees along others; squares and building sites where they are asked for.
+// Right-handed, z up, metres; the lane's ground is z = 0 and its centre the origin; the lane runs
+// counterclockwise from (radius, 0).
 #pragma once
 
 #include <cstdint>
@@ -14,9 +15,20 @@
 
 namespace maploc {
 
+// What stands along a stretch.
+enum class Site {
+  kHouses,
+  kTrees,
+  kSquare,       // houses farther off, a few trees, much pavement
+  kConstruction  // scaffolds, and a few signs
+};
+
 struct CampusOptions {
-  int stretches = 6;  // structured and unstructured by turns, beginning with structured; at least 2
+  int stretches = 6;             // houses and trees by turns, beginning with houses; at least 2
+  std::vector<Site> sites = {};  // not empty: one a stretch instead, and `stretches` is their count
   double stretch_length_m = 45.0;
+  int leaves_a_tree = 32;
+  int branches_a_tree = 32;
   std::uint64_t seed = 1;
 };
 
@@ -60,7 +72,8 @@ struct World {
   double LaneLength() const { return options.stretches * options.stretch_length_m; }
   // The stretch at a distance along the lane (any real number; the lane is a circle).
   int StretchAt(double along_m) const;
-  bool IsStructured(int stretch) const { return stretch % 2 == 0; }
+  Site SiteOf(int stretch) const { return options.sites[stretch]; }
+  bool IsStructured(int stretch) const { return SiteOf(stretch) == Site::kHouses; }
   // The point `aside_m` to the right of the lane's middle, and the heading there.
   Eigen::Vector3d PointAt(double along_m, double aside_m, double height_m) const;
   double HeadingAt(double along_m) const;  // radians, counterclockwise from x

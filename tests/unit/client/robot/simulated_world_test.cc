@@ -39,6 +39,40 @@ TEST(SimulatedWorldTest, StretchesDifferInWhatStandsThere) {
   EXPECT_EQ(world.StretchAt(world.LaneLength() + 1.0), 0);
 }
 
+TEST(SimulatedWorldTest, EverySiteHasItsOwnKinds) {
+  const World world =
+      MakeCampus({.sites = {Site::kHouses, Site::kTrees, Site::kSquare, Site::kConstruction}});
+  ASSERT_EQ(world.options.stretches, 4);
+  std::array<std::array<int, kLandmarkKinds>, 4> counts{};
+  for (const WorldPoint& point : world.points)
+    ++counts[point.stretch][static_cast<int>(point.kind)];
+  for (const WorldLine& line : world.lines) ++counts[line.stretch][static_cast<int>(line.kind)];
+  const auto count = [&](Site site, LandmarkKind kind) {
+    return counts[static_cast<int>(site)][static_cast<int>(kind)];
+  };
+  EXPECT_GT(count(Site::kHouses, LandmarkKind::kWallLine), 100);
+  EXPECT_EQ(count(Site::kHouses, LandmarkKind::kScaffoldLine), 0);
+  EXPECT_EQ(count(Site::kTrees, LandmarkKind::kWallLine), 0);
+  EXPECT_GT(count(Site::kTrees, LandmarkKind::kLeafPoint), 100);
+  EXPECT_GT(count(Site::kSquare, LandmarkKind::kWallLine), 0);
+  EXPECT_GT(count(Site::kSquare, LandmarkKind::kGroundPoint),
+            count(Site::kHouses, LandmarkKind::kGroundPoint));
+  EXPECT_GT(count(Site::kConstruction, LandmarkKind::kScaffoldLine), 30);
+  EXPECT_EQ(count(Site::kConstruction, LandmarkKind::kWallLine), 0);
+}
+
+TEST(SimulatedRobotTest, ADayOfItsOwnTakesTheSeasonsPlace) {
+  const World world = MakeCampus({});
+  DriveOptions drive;
+  drive.name = "fog";
+  drive.appearance.emplace();
+  drive.appearance->fill({.unseen = 1.0, .look_alike = 0.0, .flip = 0.0});
+  drive.sight.clutter_points = drive.sight.clutter_lines = 0;
+  const SimulatedRobot robot(world, drive, SomeMap());
+  EXPECT_EQ(robot.QueryName(0), "fog/0000");
+  EXPECT_TRUE(robot.MakeQuery(0)->views[0].points.keypoints_px.empty());
+}
+
 // A feature's ray, in the world, passes its landmark: projection, mounting and motion chain.
 TEST(SimulatedWorldTest, FeaturesPointAtTheirLandmarks) {
   const World world = MakeCampus({});
@@ -48,7 +82,8 @@ TEST(SimulatedWorldTest, FeaturesPointAtTheirLandmarks) {
   Random random = testing::TestRandom();
   SightOptions exact;
   exact.noise_px = 0.0;
-  const Sight sight = Look(world, camera, camera_from_world, Season::kSummer, exact, random);
+  const Sight sight =
+      Look(world, camera, camera_from_world, AppearanceOf(Season::kSummer), exact, random);
   int seen = 0;
   for (std::size_t i = 0; i < sight.point_landmarks.size(); ++i) {
     if (sight.point_landmarks[i] < 0) continue;
@@ -77,7 +112,8 @@ TEST(SimulatedWorldTest, AWallHidesWhatIsBehindIt) {
   bool near_seen = false;
   for (int repetition = 0; repetition < 20; ++repetition) {
     Random random = testing::TestRandom(repetition);
-    const Sight sight = Look(world, SimulatedCamera(), pose, Season::kSummer, options, random);
+    const Sight sight =
+        Look(world, SimulatedCamera(), pose, AppearanceOf(Season::kSummer), options, random);
     for (const int landmark : sight.point_landmarks) {
       EXPECT_EQ(landmark, 0);
       near_seen = true;
