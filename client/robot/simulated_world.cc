@@ -15,8 +15,7 @@ constexpr double kWindowWidthM = 1.0;
 constexpr double kWindowHeightM = 1.5;
 constexpr int kFloors = 2;
 constexpr int kWindowsAFloor = 5;
-constexpr int kWallTexturePoints = 30;  // of a house: stains, lamps, notices
-constexpr int kBushesAStretch = 3;      // of a structured one
+constexpr int kBushesAStretch = 3;  // of a structured one
 constexpr int kLeavesABush = 10;
 constexpr int kTreesAStretch = 16;  // of an unstructured one
 constexpr int kGroundPointsAStretch = 40;
@@ -165,11 +164,35 @@ class Builder {
         const double v = floor * kFloorHeightM + 0.9 + random_.Uniform(-0.15, 0.15);
         AddOutline(at(u, v), at(u + kWindowWidthM, v), at(u + kWindowWidthM, v + kWindowHeightM),
                    at(u, v + kWindowHeightM), wall);
+        if (world_.options.rich_fronts) AddWindowDetail(at, u, v, wall);
       }
+      if (world_.options.rich_fronts) AddCornice(at, (floor + 1) * kFloorHeightM, wall);
     }
-    for (int i = 0; i < kWallTexturePoints; ++i) {
+    for (int i = 0; i < world_.options.wall_points_a_house; ++i) {
       AddPoint(at(random_.Uniform(0.0, kHouseLengthM), random_.Uniform(0.2, height_m)),
                LandmarkKind::kWallPoint, wall);
+    }
+  }
+
+  // `at` is a place on the front: along it, and up.
+  template <typename At>
+  void AddWindowDetail(const At& at, double u, double v, int wall) {
+    const double middle_u = u + kWindowWidthM / 2.0;
+    const double bar_v = v + 0.6 * kWindowHeightM;
+    AddLine({at(middle_u, v), at(middle_u, v + kWindowHeightM)}, LandmarkKind::kWallLine, wall);
+    AddLine({at(u, bar_v), at(u + kWindowWidthM, bar_v)}, LandmarkKind::kWallLine, wall);
+    AddLine({at(u - 0.15, v - 0.12), at(u + kWindowWidthM + 0.15, v - 0.12)},
+            LandmarkKind::kWallLine, wall);
+    AddPoint(at(middle_u, bar_v), LandmarkKind::kWallPoint, wall);
+  }
+
+  // Two edges; a detector breaks them where pipes and posters cross.
+  template <typename At>
+  void AddCornice(const At& at, double height_m, int wall) {
+    for (const double v : {height_m, height_m + 0.25}) {
+      for (double u = 0.0; u < kHouseLengthM; u += 2.5) {
+        AddLine({at(u, v), at(u + 2.5, v)}, LandmarkKind::kWallLine, wall);
+      }
     }
   }
 

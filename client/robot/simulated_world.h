@@ -27,6 +27,8 @@ struct CampusOptions {
   int stretches = 6;             // houses and trees by turns, beginning with houses; at least 2
   std::vector<Site> sites = {};  // not empty: one a stretch instead, and `stretches` is their count
   double stretch_length_m = 45.0;
+  int wall_points_a_house = 30;  // stains, lamps, notices
+  bool rich_fronts = false;      // with sills, glazing bars and cornices
   int leaves_a_tree = 32;
   int branches_a_tree = 32;
   std::uint64_t seed = 1;

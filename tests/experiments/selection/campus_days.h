@@ -8,7 +8,7 @@
 
 #include "client/robot/simulated_world.h"
 
-namespace maploc::experiments {
+namespace maploc::selection {
 
 struct CampusDay {
   std::string_view name;
@@ -21,4 +21,4 @@ const std::vector<CampusDay>& CampusDays();
 
 CampusOptions CampusPlaces();
 
-}  // namespace maploc::experiments
+}  // namespace maploc::selection

@@ -8,7 +8,7 @@
 #include "mapstore/base/random.h"
 #include "tests/experiments/selection/campus_days.h"
 
-namespace maploc::experiments {
+namespace maploc::selection {
 namespace {
 
 constexpr double kLookAheadM = 8.0;  // where the camera, turned to the right, mostly looks
@@ -44,7 +44,7 @@ Result<std::shared_ptr<const MapSnapshot>> MapCampus(const World& world) {
   MAPLOC_ASSIGN_OR_RETURN(const ScratchFolder folder, ScratchFolder::Create());
   MappingOptions mapping;
   mapping.position_noise_m = 0.02;
-  mapping.line_noise_m = 0.04;
+  mapping.line_noise_m = 0.02;
   mapping.start_m = 0.0;
   mapping.sight.noise_px = kNoisePx;
   MAPLOC_RETURN_IF_ERROR(WriteMappingDrive(world, mapping, folder.path()).status());
@@ -106,4 +106,4 @@ Result<SelectionSet> MakeCampusSet(const CampusSetOptions& options) {
   return set;
 }
 
-}  // namespace maploc::experiments
+}  // namespace maploc::selection

@@ -6,7 +6,7 @@
 
 #include "tests/experiments/selection/selection_set.h"
 
-namespace maploc::experiments {
+namespace maploc::selection {
 
 struct CampusSetOptions {
   int queries = 240;  // a session, evenly around the lane
@@ -17,4 +17,4 @@ struct CampusSetOptions {
 // temporary files, and removes it. Errors: of that folder.
 Result<SelectionSet> MakeCampusSet(const CampusSetOptions& options);
 
-}  // namespace maploc::experiments
+}  // namespace maploc::selection

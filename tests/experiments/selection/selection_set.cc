@@ -2,7 +2,7 @@
 
 #include "mapstore/store/in_memory_store.h"
 
-namespace maploc::experiments {
+namespace maploc::selection {
 
 Result<std::shared_ptr<const MapSnapshot>> ImportMap(const ColmapImportOptions& options) {
   const std::unique_ptr<MapStore> store = NewInMemoryStore();
@@ -20,4 +20,4 @@ Result<std::shared_ptr<const MapSnapshot>> ImportMap(const ColmapImportOptions& 
   return BuildMapSnapshot(report.info, std::move(entries));
 }
 
-}  // namespace maploc::experiments
+}  // namespace maploc::selection

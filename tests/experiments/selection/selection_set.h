@@ -13,7 +13,7 @@
 #include "mapstore/model/query.h"
 #include "server/pipeline/map_snapshot.h"
 
-namespace maploc::experiments {
+namespace maploc::selection {
 
 enum class Scene { kStructured, kUnstructured, kMixture };
 
@@ -38,4 +38,4 @@ struct SelectionSet {
 // does.
 Result<std::shared_ptr<const MapSnapshot>> ImportMap(const ColmapImportOptions& options);
 
-}  // namespace maploc::experiments
+}  // namespace maploc::selection
