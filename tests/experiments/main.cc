@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "tests/experiments/commands.h"
+#include "tests/experiments/selection/command.h"
 
 namespace maploc::experiments {
 namespace {
@@ -21,6 +22,7 @@ int Main(int argc, char** argv) {
         FalseAcceptsExperiment(), ReliabilityExperiment()}) {
     AddExperiment(app, context, experiment);
   }
+  selection::AddSelectionCommand(app, context);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
