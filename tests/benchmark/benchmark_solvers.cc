@@ -1,13 +1,16 @@
 // ns a problem of each minimal solver, with the poses it found a problem beside; OpenGV's and
 // OpenCV's P3P as peers in the same run. All solve the same problems.
+#include <deque>
 #include <memory>
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <hwy/targets.h>
 #include <opencv2/calib3d.hpp>
 #include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
 #include <opengv/absolute_pose/methods.hpp>
 
+#include "server/solvers/batch.h"
 #include "server/solvers/p2p1l.h"
 #include "server/solvers/p3p.h"
 #include "server/solvers/up1p1l.h"
@@ -144,6 +147,78 @@ void BM_P2p1l(benchmark::State& state) {
   });
 }
 BENCHMARK(BM_P2p1l);
+
+// ---- batches
+
+// The problems as structure of arrays: a few at a time, so that all stays in the first cache.
+constexpr std::size_t kBatch = 128;
+
+class Arrays {
+ public:
+  template <typename Get>
+  VectorArrays Add(const Get& get) {
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double>& values = values_.emplace_back();
+      for (std::size_t i = 0; i < kBatch; ++i) values.push_back(get(Problems()[i])[axis]);
+    }
+    const std::size_t n = values_.size();
+    return {values_[n - 3].data(), values_[n - 2].data(), values_[n - 1].data()};
+  }
+  AlignedPoseArrays AddPoses() {
+    double* at[5];
+    for (double*& array : at) array = values_.emplace_back(kBatch).data();
+    return {at[0], at[1], at[2], at[3], at[4]};
+  }
+
+ private:
+  std::deque<std::vector<double>> values_;
+};
+
+template <typename Solve>
+void RunBatch(benchmark::State& state, const Solve& solve) {
+  if ((hwy::SupportedTargets() & state.range(0)) == 0) {
+    state.SkipWithError("not on this processor");
+    return;
+  }
+  state.SetLabel(hwy::TargetName(state.range(0)));
+  hwy::SetSupportedTargetsForTest(state.range(0));
+  std::int64_t found = 0;
+  for (auto _ : state) {
+    found += static_cast<std::int64_t>(solve());
+    benchmark::ClobberMemory();
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  const double problems = static_cast<double>(state.iterations()) * kBatch;
+  state.counters["solutions"] = static_cast<double>(found) / problems;
+  state.counters["each"] =
+      benchmark::Counter(problems, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+void BM_Up2pBatch(benchmark::State& state) {
+  Arrays arrays;
+  const Up2pArrays samples = {arrays.Add([](const Problem& p) { return p.rays[0]; }),
+                              arrays.Add([](const Problem& p) { return p.points[0]; }),
+                              arrays.Add([](const Problem& p) { return p.rays[1]; }),
+                              arrays.Add([](const Problem& p) { return p.points[1]; }), kBatch};
+  const AlignedPoseArrays first = arrays.AddPoses();
+  const AlignedPoseArrays second = arrays.AddPoses();
+  RunBatch(state, [&] { return SolveUp2pBatch(samples, first, second); });
+}
+BENCHMARK(BM_Up2pBatch)->Arg(HWY_SSE4)->Arg(HWY_AVX2)->Arg(HWY_AVX3);
+
+void BM_Up1p1lBatch(benchmark::State& state) {
+  Arrays arrays;
+  const Up1p1lArrays samples = {arrays.Add([](const Problem& p) { return p.rays[0]; }),
+                                arrays.Add([](const Problem& p) { return p.points[0]; }),
+                                arrays.Add([](const Problem& p) { return p.normal; }),
+                                arrays.Add([](const Problem& p) { return p.points[1]; }),
+                                arrays.Add([](const Problem& p) { return p.direction; }),
+                                kBatch};
+  const AlignedPoseArrays first = arrays.AddPoses();
+  const AlignedPoseArrays second = arrays.AddPoses();
+  RunBatch(state, [&] { return SolveUp1p1lBatch(samples, first, second); });
+}
+BENCHMARK(BM_Up1p1lBatch)->Arg(HWY_SSE4)->Arg(HWY_AVX2)->Arg(HWY_AVX3);
 
 // ---- peers
 
