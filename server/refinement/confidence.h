@@ -41,7 +41,7 @@ double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
                       const ConfidenceOptions& options);
 
 // The calibration: from log10 of the number of false alarms to a probability. Strictly monotone but
-// for its ends, 0.0067 and 0.9999.
+// for its ends, 0.0037 and 0.9999.
 double ConfidenceOf(double log_false_alarms);
 
 // log10 of the number of false alarms: the test inside PoseConfidence. Negative is good.

@@ -16,6 +16,7 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+constexpr std::size_t kEnoughInliers = 400;
 // Below this share of an observation nothing but itself determines what it measures.
 constexpr double kLeastRedundancy = 1e-6;
 
@@ -26,11 +27,13 @@ class Measurements {
   Measurements(const PoseProblem& problem, const RefinedPose& pose)
       : origin_(SomeInlier(problem, pose)),
         pose_(Rigid3{pose.camera_from_map.rotation, pose.camera_from_map * origin_}) {
+    const std::size_t step = Step(pose);
+    std::size_t seen = 0;
     for (std::size_t i = 0; i < problem.points.size(); ++i) {
-      if (pose.point_inliers[i] != 0) Add(problem.points[i]);
+      if (pose.point_inliers[i] != 0 && seen++ % step == 0) Add(problem.points[i]);
     }
     for (std::size_t i = 0; i < problem.lines.size(); ++i) {
-      if (pose.line_inliers[i] != 0) Add(problem.lines[i]);
+      if (pose.line_inliers[i] != 0 && seen++ % step == 0) Add(problem.lines[i]);
     }
   }
 
@@ -45,6 +48,13 @@ class Measurements {
   }
 
  private:
+  // Every step-th inlier is looked at: their mean information counts, which more do not change.
+  static std::size_t Step(const RefinedPose& pose) {
+    const auto inliers = std::count(pose.point_inliers.begin(), pose.point_inliers.end(), 1) +
+                         std::count(pose.line_inliers.begin(), pose.line_inliers.end(), 1);
+    return 1 + static_cast<std::size_t>(inliers) / kEnoughInliers;
+  }
+
   static Eigen::Vector3d SomeInlier(const PoseProblem& problem, const RefinedPose& pose) {
     for (std::size_t i = 0; i < problem.points.size(); ++i) {
       if (pose.point_inliers[i] != 0) return problem.points[i].position_in_map;

@@ -34,10 +34,13 @@ struct LossFactor {
 
 LossFactor CauchyFactor(double s, double a) {
   const double u = s / (a * a);
-  // Taylor where the difference below loses its digits.
-  const double squared = u < 1e-4 ? 1.0 - u / 2 + u * u / 3 : std::log1p(u) / u;
-  const double squared_by_u =
-      u < 1e-4 ? -0.5 + 2.0 / 3.0 * u : (u / (1.0 + u) - std::log1p(u)) / (u * u);
+  double squared = 1.0 - u / 2 + u * u / 3;  // Taylor where the difference below loses its digits
+  double squared_by_u = -0.5 + 2.0 / 3.0 * u;
+  if (u > 1e-4) {
+    const double log = std::log1p(u);
+    squared = log / u;
+    squared_by_u = (u / (1.0 + u) - log) / (u * u);
+  }
   const double value = std::sqrt(squared);
   return {value, squared_by_u / (2.0 * value * a * a)};
 }

@@ -18,7 +18,7 @@ namespace {
 // threshold does.
 constexpr double kLossScaleSigmas = 2.5;
 constexpr int kMaxSolverIterations = 20;
-constexpr double kFunctionTolerance = 1e-9;  // change of the sum of squares a residual, in sigmas^2
+constexpr double kFunctionTolerance = 1e-6;  // change of the sum of squares a residual, in sigmas^2
 
 // The first round looks at no more than about so many: it only has to come near.
 constexpr int kCoarseFeatures = 200;
