@@ -13,7 +13,8 @@ namespace maploc::experiments {
 namespace {
 
 constexpr double kLineShare = 0.3;
-constexpr int kSteps = 100;  // of the progress, a kind and method
+constexpr int kIterations = 10000;  // no early stop: the more tries, the better chance fits
+constexpr int kSteps = 100;         // of the progress, a kind and method
 
 int MatchCount(Random& random) { return 100 + static_cast<int>(random.Below(1901)); }
 
@@ -61,7 +62,7 @@ Row RunKind(const Kind& kind, const std::string& method, Strategy strategy,
   for (int trial = 0; trial < options.trials; ++trial) {
     Random random = TrialRandom(options.seed, "false-accepts " + kind.name, trial);
     const std::uint64_t seed = random.Next();
-    const JudgedAnswer answer = AnswerAsProduct(kind.make(random), strategy, seed);
+    const JudgedAnswer answer = AnswerAsProduct(kind.make(random), strategy, seed, kIterations);
     localized += answer.verdict.outcome == Outcome::kLocalized ? 1 : 0;
     iterations += answer.iterations;
     largest = std::max(largest, answer.verdict.confidence);

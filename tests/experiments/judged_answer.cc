@@ -1,6 +1,7 @@
 #include "tests/experiments/judged_answer.h"
 
-#include "server/ransac/estimator.h"
+#include <algorithm>
+
 #include "server/refinement/gravity_check.h"
 #include "server/refinement/refine.h"
 
@@ -38,16 +39,19 @@ JudgedAnswer Attempt(const PoseProblem& problem, const PoseProblem& as_sent, Ran
 
 }  // namespace
 
-JudgedAnswer AnswerAsProduct(const PoseProblem& problem, Strategy strategy, std::uint64_t seed) {
+JudgedAnswer AnswerAsProduct(const PoseProblem& problem, Strategy strategy, std::uint64_t seed,
+                             int min_iterations) {
   PoseProblem without = problem;
   without.has_gravity = false;
   RansacOptions ransac;
   ransac.strategy = strategy;
   ransac.seed = seed;
+  ransac.min_iterations = min_iterations;
   if (strategy == Strategy::kP3P) return Attempt(without, without, ransac, 0);
   const JudgedAnswer answer = Attempt(problem, problem, ransac, 0);
   if (answer.verdict.outcome == Outcome::kLocalized) return answer;
   ransac.max_iterations = kIterationsAgainstGravity;
+  ransac.min_iterations = std::min(min_iterations, kIterationsAgainstGravity);
   const JudgedAnswer free = Attempt(without, problem, ransac, answer.iterations);
   return free.verdict.outcome == Outcome::kLocalized ? free : answer;
 }

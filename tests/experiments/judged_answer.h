@@ -8,6 +8,7 @@
 #include "mapstore/model/matches.h"
 #include "mapstore/model/strategy.h"
 #include "server/pipeline/judge.h"
+#include "server/ransac/estimator.h"
 #include "tests/experiments/experiment.h"
 
 namespace maploc::experiments {
@@ -22,8 +23,9 @@ struct JudgedAnswer {
 // defaults (10,000 iterations, 4 px, fallback on), refinement, the check of gravity, JudgePose for
 // an image of 640 x 480 pixels; and where that is not LOCALIZED once more without gravity (P3P,
 // 2,000 iterations), of which only a LOCALIZED answer is taken. With kP3P gravity is absent from
-// the start.
-JudgedAnswer AnswerAsProduct(const PoseProblem& problem, Strategy strategy, std::uint64_t seed);
+// the start. `min_iterations` keeps the search from stopping early.
+JudgedAnswer AnswerAsProduct(const PoseProblem& problem, Strategy strategy, std::uint64_t seed,
+                             int min_iterations = RansacOptions().min_iterations);
 
 // "mixed-auto" and its like, and p3p: what the product itself answers with. INVALID_ARGUMENT for
 // any other method.

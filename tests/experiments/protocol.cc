@@ -26,7 +26,7 @@ Setting PaperSetting(const std::string& experiment, const PaperCell& cell) {
   synthetic.outliers = testing::Outliers::kWrongAssociations;
   synthetic.noise_px = cell.noise_px;
   synthetic.gravity_noise_rad = cell.gravity_noise_deg * kDegree;
-  synthetic.gravity_sigma_rad = std::max(cell.gravity_noise_deg, kLeastGravitySigmaDeg) * kDegree;
+  synthetic.gravity_sigma_rad = std::max(cell.gravity_noise_deg * kDegree, kLeastGravitySigmaRad);
   setting.limits.threshold_px = cell.threshold_px;
   setting.limits.pixel_sigma = std::max(cell.noise_px, kLeastPixelSigma);
   setting.limits.min_iterations = setting.limits.max_iterations = kIterations;

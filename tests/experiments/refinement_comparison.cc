@@ -37,7 +37,7 @@ void Compare(Row& row, const Row& held, const Row& free, const std::string& key,
 Rows WithRefinementComparison(Rows rows) {
   for (Row& row : rows) {
     const std::string method = row.at("method");
-    if (!method.ends_with(kAuto)) continue;
+    if (!method.ends_with(kAuto) || row.value("noise_px", 1.0) <= 0) continue;
     const std::string stem = method.substr(0, method.size() - kAuto.size());
     const Row* held = Find(rows, row, stem + "-4dof");
     const Row* free = Find(rows, row, stem + "-6dof");
