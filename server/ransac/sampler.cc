@@ -103,8 +103,8 @@ bool Sampler::DrawTwoPoints(std::uint32_t first, std::uint32_t second, Hypothese
   const PreparedPoint& b = prepared_.points[out->points[1]];
   const double min_distance = gate_ * kMinImageDistancePx / prepared_.centred.focal_length_px;
   if ((a.ray_in_camera - b.ray_in_camera).squaredNorm() < min_distance * min_distance ||
-      Up2pConditioning(a.ray_in_aligned, a.position, b.ray_in_aligned, b.position) <
-          gate_ * kMinConditioning) {
+      !IsYawConditioned(a.ray_in_aligned.cross(b.ray_in_aligned), b.position - a.position,
+                        gate_ * kMinConditioning)) {
     return false;
   }
   AlignedPose poses[2];
@@ -131,7 +131,7 @@ bool Sampler::DrawPointAndLine(std::uint32_t point, std::uint32_t line, Hypothes
   const double distance = gate_ * kMinImageDistancePx / prepared_.centred.focal_length_px *
                           l.plane_normal_in_camera.head<2>().norm();
   if (std::abs(l.plane_normal_in_camera.dot(p.ray_in_camera)) < distance ||
-      Up1p1lConditioning(l.plane_normal_in_aligned, l.direction) < gate_ * kMinConditioning) {
+      !IsYawConditioned(l.plane_normal_in_aligned, l.direction, gate_ * kMinConditioning)) {
     return false;
   }
   AlignedPose poses[2];

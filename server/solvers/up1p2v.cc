@@ -14,7 +14,7 @@ YawEquation Combine(double factor1, const YawEquation& e1, double factor2, const
           factor1 * e1.c + factor2 * e2.c};
 }
 
-double Amplitude(const YawEquation& e) { return std::hypot(e.a, e.b); }
+double Amplitude(const YawEquation& e) { return std::sqrt(e.a * e.a + e.b * e.b); }
 
 double Dot(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();

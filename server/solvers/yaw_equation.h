@@ -43,6 +43,12 @@ inline double YawDiscriminant(const YawEquation& equation) {
   return equation.a * equation.a + equation.b * equation.b - equation.c * equation.c;
 }
 
+// Whether w, below, is at least `least`: the gate of a sample, without root and division.
+inline bool IsYawConditioned(const Eigen::Vector3d& n, const Eigen::Vector3d& d, double least) {
+  const double scale2 = n.squaredNorm() * d.squaredNorm();
+  return YawDiscriminant(MakeYawEquation(n, d)) >= least * least * scale2 && scale2 > 0;
+}
+
 // w in [0, 1]: 0 is degenerate, 1 is best. 0 for a zero n or D.
 inline double YawConditioning(const Eigen::Vector3d& n, const Eigen::Vector3d& d) {
   const double scale2 = n.squaredNorm() * d.squaredNorm();
