@@ -1,10 +1,10 @@
 // ns a problem of each minimal solver, with the poses it found a problem beside; OpenGV's and
 // OpenCV's P3P as peers in the same run. All solve the same problems.
-#include <deque>
 #include <memory>
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <hwy/aligned_allocator.h>
 #include <hwy/targets.h>
 #include <opencv2/calib3d.hpp>
 #include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
@@ -150,28 +150,32 @@ BENCHMARK(BM_P2p1l);
 
 // ---- batches
 
-// The problems as structure of arrays: a few at a time, so that all stays in the first cache.
+// The problems as structure of arrays, aligned; a few at a time, so that all stays in the first
+// cache.
 constexpr std::size_t kBatch = 128;
 
 class Arrays {
  public:
   template <typename Get>
   VectorArrays Add(const Get& get) {
+    double* axes[3];
     for (int axis = 0; axis < 3; ++axis) {
-      std::vector<double>& values = values_.emplace_back();
-      for (std::size_t i = 0; i < kBatch; ++i) values.push_back(get(Problems()[i])[axis]);
+      axes[axis] = AddArray();
+      for (std::size_t i = 0; i < kBatch; ++i) axes[axis][i] = get(Problems()[i])[axis];
     }
-    const std::size_t n = values_.size();
-    return {values_[n - 3].data(), values_[n - 2].data(), values_[n - 1].data()};
+    return {axes[0], axes[1], axes[2]};
   }
   AlignedPoseArrays AddPoses() {
-    double* at[5];
-    for (double*& array : at) array = values_.emplace_back(kBatch).data();
-    return {at[0], at[1], at[2], at[3], at[4]};
+    return {AddArray(), AddArray(), AddArray(), AddArray(), AddArray()};
   }
 
  private:
-  std::deque<std::vector<double>> values_;
+  double* AddArray() {
+    arrays_.push_back(hwy::AllocateAligned<double>(kBatch));
+    return arrays_.back().get();
+  }
+
+  std::vector<hwy::AlignedFreeUniquePtr<double[]>> arrays_;
 };
 
 template <typename Solve>
