@@ -71,12 +71,14 @@ PairCount WrongPairs(const std::vector<PointUnderPose>& points,
   }
   PairCount count;
   for (const PointUnderPose& outlier : outliers) {
+    std::int64_t agreeing = 0;
     for (const PointUnderPose& point : looked_at) {  // itself is not apart from itself
       const bool apart = (point.seen - outlier.seen).squaredNorm() >= 4.0 * threshold2;
       const bool agree = (point.seen - outlier.projected).squaredNorm() < threshold2;
       count.pairs += apart ? 1 : 0;
-      count.agreeing += apart && agree ? 1 : 0;
+      agreeing += apart && agree ? 1 : 0;
     }
+    count.agreeing += std::max<std::int64_t>(agreeing - 1, 0);
   }
   return count;
 }

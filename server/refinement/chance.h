@@ -30,11 +30,14 @@ double ShareBeyondAccident(const PairCount& count, double expected_share);
 // Evidence of one feature type under a pose.
 struct Agreement {
   int matches = 0;
-  int distinct_inliers = 0;   // features closer together than the threshold count once
-  PairCount wrong_pairs;      // (feature i, outlier's landmark j) with i and j seen apart
+  int distinct_inliers = 0;  // features closer together than the threshold count once
+  PairCount wrong_pairs;     // (feature i, outlier's landmark j) with i and j seen apart; see below
   double shared_shift = 0.0;  // see below; 0 unless it is more than accident
 };
 
+// `wrong_pairs`: of the features that agree with one wrong match's landmark one does not count:
+// under the true pose the landmark's own feature agrees with it, whatever that was matched with.
+//
 // `shared_shift`: how probable is it that two wrong matches are off alike? Match i is off by d_i =
 // seen_i - projected_i. In a picture of equal windows, where each match takes a window of its own
 // for another, wrong matches agree in being some windows off, and a pose that explains "none off"

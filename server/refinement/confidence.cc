@@ -34,7 +34,7 @@ constexpr double kUndeterminedConfidence = 0.5;
 constexpr double kRepeatFactor = 3.0;
 // How often a wrong line agrees where nothing is known: in buildings one in ten, by so many pairs.
 constexpr double kLinePrior = 0.1;
-constexpr double kLinePriorPairs = 30.0;
+constexpr double kLinePriorPairs = 60.0;
 
 // The share of the image that one inlier's disc or strip covers.
 struct ChanceRates {
@@ -61,16 +61,14 @@ double ChanceOfPoint(const Agreement& points, double from_area) {
                                 kRepeatFactor * points.shared_shift));
 }
 
-// As for points, and two things more. Pairs of wrong lines that agree tell less than the matches
-// do: descriptors match like with like. And few like lines tell nothing: then it is `kLinePrior`.
+// As for points; and few like lines tell nothing: then it is `kLinePrior`.
 double ChanceOfLine(const Agreement& lines, double from_area, double shared_shift_of_points) {
-  const double shared = std::max(lines.shared_shift, shared_shift_of_points);
-  const double wrong = ShareBeyondAccident(lines.wrong_pairs, from_area);
-  const double of_pattern = kRepeatFactor * std::max(shared, wrong > from_area ? wrong : 0.0);
+  const double shared = kRepeatFactor * std::max(lines.shared_shift, shared_shift_of_points);
   const double guarded =
       (static_cast<double>(lines.wrong_pairs.agreeing) + kLinePriorPairs * kLinePrior) /
       (static_cast<double>(lines.wrong_pairs.pairs) + kLinePriorPairs);
-  return std::min(1.0, std::max({from_area, of_pattern, guarded}));
+  return std::min(1.0,
+                  std::max({ShareBeyondAccident(lines.wrong_pairs, from_area), shared, guarded}));
 }
 
 double LogOdds(double log_false_alarms) {

@@ -80,12 +80,14 @@ PairCount WrongPairs(const std::vector<LineUnderPose>& lines,
   const std::vector<std::size_t> looked_at = SpreadIndices(lines.size());
   for (const std::size_t j : looked_at) {
     if (inliers[j] != 0 || !lines[j].projects) continue;  // an inlier's place is taken
+    std::int64_t agreeing = 0;
     for (const std::size_t i : looked_at) {
       if (i == j || !AreAlike(lines[i].seen_line, lines[j].projected_line)) continue;
       if (LiesOn(lines[i].seen, lines[j].seen_line, 2.0 * threshold)) continue;
       ++count.pairs;
-      count.agreeing += LiesOn(lines[i].seen, lines[j].projected_line, threshold) ? 1 : 0;
+      agreeing += LiesOn(lines[i].seen, lines[j].projected_line, threshold) ? 1 : 0;
     }
+    count.agreeing += std::max<std::int64_t>(agreeing - 1, 0);
   }
   return count;
 }

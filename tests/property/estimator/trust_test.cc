@@ -103,6 +103,15 @@ TEST(Trust, TruthWithFewInliersIsBelieved) {
   }
 }
 
+// Wrong matches that take each other's features: every one of them is where some landmark is seen,
+// and under the true pose this must not look like a repeated pattern.
+TEST(Trust, TruthAmongExchangedMatchesIsBelieved) {
+  const Believed believed = CountBelieved(
+      {.outliers = Outliers::kWrongAssociations, .point_inliers = 12, .point_outliers = 18}, 200);
+  EXPECT_GE(believed.queries, 180);
+  EXPECT_EQ(believed.wrong, 0);
+}
+
 // A winter's pose: points are gone, lines have stayed. The bar is 90%, less three standard
 // deviations.
 TEST(Trust, PosesCarriedByLinesAreBelieved) {
