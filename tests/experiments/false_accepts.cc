@@ -2,41 +2,17 @@
 #include <algorithm>
 #include <functional>
 
+#include "tests/experiments/chance_matches.h"
 #include "tests/experiments/experiment.h"
 #include "tests/experiments/judged_answer.h"
 #include "tests/experiments/progress.h"
-#include "tests/experiments/protocol.h"
 #include "tests/experiments/trials.h"
-#include "tests/support/repeated_pattern.h"
 
 namespace maploc::experiments {
 namespace {
 
-constexpr double kLineShare = 0.3;
 constexpr int kIterations = 10000;  // no early stop: the more tries, the better chance fits
 constexpr int kSteps = 100;         // of the progress, a kind and method
-
-int MatchCount(Random& random) { return 100 + static_cast<int>(random.Below(1901)); }
-
-PoseProblem RandomMatches(double line_share, Random& random) {
-  const int matches = MatchCount(random);
-  testing::SyntheticOptions options;
-  options.scene = random.Below(2) == 0 ? testing::Scene::kCube : testing::Scene::kCorridor;
-  options.outliers = random.Below(2) == 0 ? testing::Outliers::kRandomPixels
-                                          : testing::Outliers::kWrongAssociations;
-  options.point_inliers = 0;
-  options.line_outliers = static_cast<int>(line_share * matches);
-  options.point_outliers = matches - options.line_outliers;
-  options.vertical_line_share = random.Below(2) == 0 ? 0.0 : 0.8;
-  options.gravity_sigma_rad = random.Uniform(0.1, 2.0) * kDegree;
-  return testing::MakeSyntheticProblem(options, random).problem;
-}
-
-PoseProblem Facade(double line_share, double shifted_share, Random& random) {
-  return testing::MakeRepeatedPattern(
-      {.matches = MatchCount(random), .line_share = line_share, .shifted_share = shifted_share},
-      random);
-}
 
 struct Kind {
   std::string name;
@@ -45,13 +21,15 @@ struct Kind {
 
 std::vector<Kind> Kinds() {
   return {
-      {"random points", [](Random& random) { return RandomMatches(0, random); }},
-      {"random points and lines", [](Random& random) { return RandomMatches(kLineShare, random); }},
-      {"repeats, points", [](Random& random) { return Facade(0, 0, random); }},
-      {"repeats, points and lines", [](Random& random) { return Facade(kLineShare, 0, random); }},
+      {"random points", [](Random& random) { return MakeRandomMatches(0, random); }},
+      {"random points and lines",
+       [](Random& random) { return MakeRandomMatches(kLineShare, random); }},
+      {"repeats, points", [](Random& random) { return MakeFacade(0, 0, random); }},
+      {"repeats, points and lines",
+       [](Random& random) { return MakeFacade(kLineShare, 0, random); }},
       // Reported apart: here a wrong pose does explain the picture.
-      {"one shift for 20%", [](Random& random) { return Facade(0, 0.2, random); }},
-      {"one shift for 50%", [](Random& random) { return Facade(0, 0.5, random); }},
+      {"one shift for 20%", [](Random& random) { return MakeFacade(0, 0.2, random); }},
+      {"one shift for 50%", [](Random& random) { return MakeFacade(0, 0.5, random); }},
   };
 }
 

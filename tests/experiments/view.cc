@@ -14,6 +14,7 @@ namespace {
 std::string KeyText(const Row& row, const std::string& key) {
   const std::string value = TextOf(row, key);
   if (key == "gravity_noise_deg") return "gravity noise " + value + " degrees";
+  if (key == "population") return value;
   return value + " " + key;  // "10 inliers", "1000 points"
 }
 
