@@ -46,15 +46,21 @@ struct Equation {
       : a(Plus(n.x, v.x, n.y, v.y)), b(Minus(n.y, v.x, n.x, v.y)), c(hn::Mul(n.z, v.z)) {}
 };
 
+// |(x, y)|^2.
+template <class D>
+HWY_INLINE hn::Vec<D> Plan2(const Vec3<D>& v) {
+  return Plus(v.x, v.x, v.y, v.y);
+}
+
 // What the roots of an equation are made of. `real` is also false where r2 is zero or so small that
 // its inverse is not finite.
 template <class D>
 struct Roots {
-  hn::Vec<D> r2, w;
+  hn::Vec<D> w;
   hn::Mask<D> real;
 
-  HWY_INLINE Roots(D d, const Equation<D>& e)
-      : r2(Plus(e.a, e.a, e.b, e.b)), w(hn::Zero(d)), real(hn::MaskFromVec(hn::Zero(d))) {
+  HWY_INLINE Roots(D d, const Equation<D>& e, hn::Vec<D> r2)
+      : w(hn::Zero(d)), real(hn::MaskFromVec(hn::Zero(d))) {
     const auto discriminant = hn::NegMulAdd(e.c, e.c, r2);
     real = hn::Ge(hn::MulAdd(hn::Set(d, kTolerance), r2, discriminant),
                   hn::Set(d, std::numeric_limits<double>::min()));
@@ -62,23 +68,21 @@ struct Roots {
   }
 };
 
-// cos = (-ac -+ bw) / r2, sin = (-bc +- aw) / r2: products shared by both roots, then sums, for
-// which processors have other units than for products.
+// cos = (-ac -+ bw) / r2, sin = (-bc +- aw) / r2. Divided before w is known: the square root is
+// what everything waits for.
 template <class D>
 struct Yaws {
   hn::Vec<D> cosine1, sine1, cosine2, sine2;
 
-  HWY_INLINE Yaws(const Equation<D>& e, const Roots<D>& roots, hn::Vec<D> minus_by_r2) {
-    const auto c = hn::Mul(e.c, minus_by_r2);
-    const auto w = hn::Mul(roots.w, minus_by_r2);
-    const auto ac = hn::Mul(e.a, c);
-    const auto bc = hn::Mul(e.b, c);
-    const auto aw = hn::Mul(e.a, w);
-    const auto bw = hn::Mul(e.b, w);
-    cosine1 = hn::Add(ac, bw);
-    cosine2 = hn::Sub(ac, bw);
-    sine1 = hn::Sub(bc, aw);
-    sine2 = hn::Add(bc, aw);
+  HWY_INLINE Yaws(const Equation<D>& e, hn::Vec<D> w, hn::Vec<D> minus_by_r2) {
+    const auto a = hn::Mul(e.a, minus_by_r2);
+    const auto b = hn::Mul(e.b, minus_by_r2);
+    const auto ac = hn::Mul(a, e.c);
+    const auto bc = hn::Mul(b, e.c);
+    cosine1 = hn::MulAdd(b, w, ac);
+    cosine2 = hn::NegMulAdd(b, w, ac);
+    sine1 = hn::NegMulAdd(a, w, bc);
+    sine2 = hn::MulAdd(a, w, bc);
   }
 };
 
@@ -106,11 +110,12 @@ HWY_INLINE std::size_t Up2p(D d, const Up2pArrays& s, const AlignedPoseArrays& f
                   Minus(x1.x, x2.y, x1.y, x2.x));
   const Vec3<D> along = p2 - p1;
   const Equation<D> e(n, along);
-  const Roots<D> roots(d, e);
-  const auto minus_by_r2 = hn::Div(hn::Set(d, -1.0), roots.r2);
-  const Yaws<D> yaws(e, roots, minus_by_r2);
-  // r2 = |N|^2 (Dx^2 + Dy^2).
-  const auto minus_by_n2 = hn::Mul(minus_by_r2, Plus(along.x, along.x, along.y, along.y));
+  const auto along2 = Plan2(along);
+  const auto r2 = hn::Mul(Plan2(n), along2);  // sooner than a^2 + b^2
+  const Roots<D> roots(d, e, r2);
+  const auto minus_by_r2 = hn::Div(hn::Set(d, -1.0), r2);
+  const Yaws<D> yaws(e, roots.w, minus_by_r2);
+  const auto minus_by_n2 = hn::Mul(minus_by_r2, along2);
   const auto mean1 = hn::Mul(Minus(n.x, x2.y, n.y, x2.x), along.z);
   const auto mean2 = hn::Mul(Minus(n.x, x1.y, n.y, x1.x), along.z);
   const auto half1 = hn::Mul(roots.w, x2.z);
@@ -131,13 +136,15 @@ template <class D>
 HWY_INLINE std::size_t Up1p1l(D d, const Up1p1lArrays& s, const AlignedPoseArrays& first,
                               const AlignedPoseArrays& second, std::size_t i) {
   const Vec3<D> x(d, s.ray, i), p(d, s.point, i), n(d, s.plane_normal, i);
-  const Equation<D> e(n, Vec3<D>(d, s.line_direction, i));
-  const Roots<D> roots(d, e);
+  const Vec3<D> along(d, s.line_direction, i);
+  const Equation<D> e(n, along);
+  const auto r2 = hn::Mul(Plan2(n), Plan2(along));  // sooner than a^2 + b^2
+  const Roots<D> roots(d, e, r2);
   const auto n_dot_x = hn::MulAdd(n.x, x.x, Plus(n.y, x.y, n.z, x.z));
-  const auto product = hn::Mul(roots.r2, n_dot_x);
+  const auto product = hn::Mul(r2, n_dot_x);
   const auto minus_inverse = hn::Div(hn::Set(d, -1.0), product);
-  const Yaws<D> yaws(e, roots, hn::Mul(minus_inverse, n_dot_x));
-  const auto minus_by_n_dot_x = hn::Mul(minus_inverse, roots.r2);
+  const Yaws<D> yaws(e, roots.w, hn::Mul(minus_inverse, n_dot_x));
+  const auto minus_by_n_dot_x = hn::Mul(minus_inverse, r2);
   const Equation<D> height(n, Vec3<D>(d, s.line_point, i) - p);  // -n . Rz (P - L)
   const auto depth = [&](hn::Vec<D> cosine, hn::Vec<D> sine) {
     return hn::Mul(hn::MulAdd(height.a, cosine, hn::MulAdd(height.b, sine, height.c)),
