@@ -1,6 +1,7 @@
 #include "tests/experiments/selection/methods.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "server/ransac/estimator.h"
 #include "server/refinement/refine.h"
@@ -95,10 +96,21 @@ std::vector<Attempt> TryAllMethods(const PoseProblem& problem, const SearchLimit
 
 std::vector<Attempt> TryToTheEnd(const PoseProblem& problem, const SearchLimits& limits,
                                  std::uint64_t seed) {
+  constexpr int kCount = static_cast<int>(kStrategies.size());
+  std::array<std::vector<double>, kStrategies.size()> times_ms;
   std::vector<Attempt> attempts(kMethods.size());
-  for (const Strategy strategy : kStrategies) {
-    attempts[AutoMethodOf(strategy)] =
-        Refined(problem, Search(problem, strategy, limits, seed), Refinement::kAuto);
+  for (int round = 0; round < kCount; ++round) {
+    for (int i = 0; i < kCount; ++i) {
+      const int place = static_cast<int>((static_cast<std::uint64_t>(i + round) + seed) % kCount);
+      Attempt& attempt = attempts[AutoMethodOf(kStrategies[place])];
+      attempt =
+          Refined(problem, Search(problem, kStrategies[place], limits, seed), Refinement::kAuto);
+      times_ms[place].push_back(attempt.ms);
+    }
+  }
+  for (int place = 0; place < kCount; ++place) {
+    std::ranges::sort(times_ms[place]);
+    attempts[AutoMethodOf(kStrategies[place])].ms = times_ms[place][kCount / 2];
   }
   attempts[kP3pMethod] = TryBaseline(kP3pMethod, problem, limits, seed);
   return attempts;

@@ -45,6 +45,8 @@ std::vector<Attempt> TryAllMethods(const PoseProblem& problem, const SearchLimit
                                    std::uint64_t seed);
 
 // The same for the strategies with automatic refinement and P3P alone; the others are left empty.
+// Each is run three times, every time in another order (who comes first finds cold caches), and the
+// median time counts.
 std::vector<Attempt> TryToTheEnd(const PoseProblem& problem, const SearchLimits& limits,
                                  std::uint64_t seed);
 
