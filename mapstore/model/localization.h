@@ -45,7 +45,7 @@ struct Evidence {
   FeatureCounts points;
   FeatureCounts usable_lines;            // tilt of 10 degrees or more
   FeatureCounts vertical_lines;          // the others
-  Strategy strategy = Strategy::kMixed;  // that found the pose, or was tried last
+  Strategy strategy = Strategy::kMixed;  // that found the pose, or the likeliest of what was none
   bool fell_back = false;                // `strategy` is not the one that was chosen at first
   std::int32_t iterations = 0;           // evaluated hypotheses, over all strategies tried
   // Between the measured gravity and that of the pose as the matches alone give it (a pose that was

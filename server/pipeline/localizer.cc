@@ -1,6 +1,9 @@
 #include "server/pipeline/localizer.h"
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -67,13 +70,27 @@ Strategy ChooseStrategy(const Context& context, const StrategyDecision& decision
   return context.query.requested_strategy.value_or(decision.strategy);
 }
 
-// Without gravity every sample is three points, whatever was chosen.
+// The strategies whose poses are refined and judged in turn until one is LOCALIZED. The segment's
+// own ranking where nobody asked for a strategy; without gravity every sample is three points.
+std::vector<Strategy> StrategiesToTry(const Context& context, const StrategyDecision& decision,
+                                      const PoseProblem& problem, bool fall_back) {
+  if (!problem.has_gravity) return {Strategy::kP3P};
+  std::vector<Strategy> strategies = {ChooseStrategy(context, decision)};
+  if (!fall_back || context.query.requested_strategy) return strategies;
+  std::ranges::copy_if(decision.ranking, std::back_inserter(strategies),
+                       [&](Strategy next) { return next != strategies.front(); });
+  return strategies;
+}
+
+// `fall_back`: to the next in the segment's ranking where `strategy` draws or finds nothing.
 Consensus Estimate(const Context& context, const MapSnapshot::Entry& entry,
-                   const PoseProblem& problem, StageTimes& times) {
+                   const PoseProblem& problem, Strategy strategy, bool fall_back,
+                   StageTimes& times) {
   const Stopwatch watch(times.ransac_ms);
-  const Strategy chosen = ChooseStrategy(context, entry.decision);
   RansacOptions options;
-  options.strategy = problem.has_gravity ? chosen : Strategy::kP3P;
+  options.strategy = strategy;
+  options.fall_back = fall_back;
+  options.fallbacks.assign(entry.decision.ranking.begin(), entry.decision.ranking.end());
   if (!problem.has_gravity && context.query.gravity) {
     options.max_iterations = kIterationsAgainstGravity;
   }
@@ -82,7 +99,7 @@ Consensus Estimate(const Context& context, const MapSnapshot::Entry& entry,
   options.deadline = context.interrupt.deadline;
   options.cancelled = context.interrupt.cancelled;
   Consensus consensus = EstimateConsensus(problem, options);
-  consensus.fell_back = consensus.strategy != chosen;
+  consensus.fell_back = consensus.strategy != ChooseStrategy(context, entry.decision);
   return consensus;
 }
 
@@ -137,13 +154,22 @@ void Judge(const Context& context, const PoseProblem& problem, const RefinedPose
   FillPose(context, pose, answer);
 }
 
-// A segment's matches through RANSAC, refinement and judgement. `as_sent` is `problem` with the
-// gravity that was sent. `iterations` counts on over all attempts of a query; `times` add up.
-Result<Localization> TryMatches(const Context& context, const MapSnapshot::Entry& entry,
-                                const PoseProblem& problem, const PoseProblem& as_sent,
-                                Localization answer, int& iterations, StageTimes& times) {
-  if (!CanDraw(problem)) return answer;
-  const Consensus consensus = Estimate(context, entry, problem, times);
+// What one attempt on a segment's matches works with: `problem`, and the same with the gravity that
+// was sent; the first strategy to draw by, and whether RANSAC itself may take the next ones.
+struct Attempt {
+  const MapSnapshot::Entry& entry;
+  const PoseProblem& problem;
+  const PoseProblem& as_sent;
+  Strategy strategy;
+  bool fall_back;
+};
+
+// A segment's matches through RANSAC, refinement and judgement. `iterations` counts on over all
+// attempts of a query; `times` add up.
+Result<Localization> TryStrategy(const Context& context, const Attempt& attempt,
+                                 Localization answer, int& iterations, StageTimes& times) {
+  const auto& [entry, problem, as_sent, strategy, fall_back] = attempt;
+  const Consensus consensus = Estimate(context, entry, problem, strategy, fall_back, times);
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
   iterations += consensus.iterations;
   FillEvidence(problem, RefinedPose(), consensus, answer.evidence);
@@ -159,6 +185,39 @@ Result<Localization> TryMatches(const Context& context, const MapSnapshot::Entry
   const GravityCheck gravity = CheckGravity(as_sent, pose, Refining(context));
   Judge(context, problem, pose, gravity, iterations, answer);
   return answer;
+}
+
+// Whether another strategy may find what this one has not. A pose that contradicts gravity was
+// found: the others would find it too.
+bool FoundNothing(Outcome outcome) {
+  return outcome != Outcome::kLocalized && outcome != Outcome::kGravityInconsistent;
+}
+
+// A segment's matches with its strategy, and with the next best ones (`fall_back`) until one finds
+// a pose to be told. Where none does, the one of the most confidence is told, of equals the first;
+// iterations are those of all.
+Result<Localization> TryMatches(const Context& context, const MapSnapshot::Entry& entry,
+                                const PoseProblem& problem, const PoseProblem& as_sent,
+                                bool fall_back, const Localization& start, int& iterations,
+                                StageTimes& times) {
+  if (!CanDraw(problem)) return start;
+  const std::vector<Strategy> strategies =
+      StrategiesToTry(context, entry.decision, problem, fall_back);
+  std::optional<Localization> told;
+  int spent = 0;
+  for (const Strategy strategy : strategies) {
+    const Attempt attempt{entry, problem, as_sent, strategy, strategies.size() == 1};
+    MAPLOC_ASSIGN_OR_RETURN(Localization answer,
+                            TryStrategy(context, attempt, start, iterations, times));
+    spent += answer.evidence.iterations;
+    const bool last = !FoundNothing(answer.outcome);
+    if (!told || last || answer.evidence.confidence > told->evidence.confidence) {
+      told = std::move(answer);
+    }
+    if (last) break;
+  }
+  told->evidence.iterations = spent;
+  return *std::move(told);
 }
 
 bool IsTried(AgainstGravity when, Outcome outcome) {
@@ -188,14 +247,16 @@ Result<Localization> TrySegment(const Context& context, const MapSnapshot::Entry
   start.line_match_inlier.assign(problem.lines.size(), 0);
   start.outcome = Outcome::kTooFewMatches;
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
-  MAPLOC_ASSIGN_OR_RETURN(Localization answer,
-                          TryMatches(context, entry, problem, problem, start, iterations, times));
+  // The next best strategies are as dear as an attempt without gravity, and tried where that is.
+  const bool fall_back = against_gravity != AgainstGravity::kNever;
+  MAPLOC_ASSIGN_OR_RETURN(Localization answer, TryMatches(context, entry, problem, problem,
+                                                          fall_back, start, iterations, times));
   if (!problem.has_gravity || !IsTried(against_gravity, answer.outcome)) return answer;
 
   PoseProblem without = problem;
   without.has_gravity = false;
-  MAPLOC_ASSIGN_OR_RETURN(Localization free, TryMatches(context, entry, without, problem,
-                                                        std::move(start), iterations, times));
+  MAPLOC_ASSIGN_OR_RETURN(Localization free, TryMatches(context, entry, without, problem, fall_back,
+                                                        start, iterations, times));
   if (free.outcome != Outcome::kLocalized) return answer;
   free.evidence.iterations += answer.evidence.iterations;
   return free;

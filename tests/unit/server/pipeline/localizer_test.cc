@@ -126,6 +126,28 @@ TEST_F(LocalizerTest, AStrategyThatCannotBeDrawnFallsBackAndSaysSo) {
   EXPECT_NE(answer->evidence.strategy, Strategy::k1P1L);
 }
 
+// The only line is somewhere else, so that a point and a line give no pose; two points do. RANSAC
+// finds three inliers all the same: it is the judgement that sends the query to the next strategy.
+TEST_F(LocalizerTest, AStrategyThatFindsNothingGivesWayToTheNextBest) {
+  const DrawnWorld tilted(testing::TestRandom(2), {.vertical_line_share = 0.0});
+  const std::array ranking = {Strategy::k1P1L, Strategy::k2P, Strategy::kMixed};
+  snapshot_ = Snapshot(tilted, {Strategy::k1P1L, StrategySource::kLearned, "", 0.2, ranking});
+  Query query = tilted.See(camera_from_map_, {.outlier_share = 0.3, .max_lines = 1}, random_);
+  ASSERT_EQ(query.views[0].lines.size(), 1);
+  query.views[0].lines.starts_px[0] = {20, 30};
+  query.views[0].lines.ends_px[0] = {40, 580};
+
+  const auto answer = Run(query);
+
+  ASSERT_EQ(answer->outcome, Outcome::kLocalized);
+  EXPECT_LT(PositionError(*answer, camera_from_map_), 0.05);
+  EXPECT_EQ(answer->evidence.strategy, Strategy::k2P);
+  EXPECT_TRUE(answer->evidence.fell_back);
+  EXPECT_EQ(answer->strategy_source, StrategySource::kLearned);
+  query.requested_strategy = Strategy::k2P;
+  EXPECT_GE(answer->evidence.iterations, Run(query)->evidence.iterations);  // of both strategies
+}
+
 TEST_F(LocalizerTest, TheSameRequestGivesTheSameAnswerToTheBit) {
   Query query = world_.See(camera_from_map_, {.outlier_share = 0.6}, random_);
   query.request_id = "first";
