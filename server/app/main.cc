@@ -1,5 +1,6 @@
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <iostream>
 #include <string>
 
@@ -12,11 +13,11 @@
 namespace {
 
 // Blocked before any thread starts, so that every thread leaves them to the waiting main thread.
+// SIGHUP too: a terminal that closes ends the server as cleanly (under nohup it stays ignored).
 sigset_t BlockStopSignals() {
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
 }
@@ -36,12 +37,14 @@ int main(int argc, char** argv) {
 
   // What gRPC has to say of a port in use, we say in one line; GRPC_VERBOSITY=debug brings it back.
   setenv("GRPC_VERBOSITY", "NONE", /*overwrite=*/0);
+  // Whoever reads the log may go; that must not take the robots' server along.
+  std::signal(SIGPIPE, SIG_IGN);
   const sigset_t signals = BlockStopSignals();
   auto server = maploc::Server::Start(command_line.options);
   if (!server.ok()) return Fail(server.status());
   int signal = 0;
   sigwait(&signals, &signal);
-  spdlog::info("{}: finishing what runs", signal == SIGINT ? "SIGINT" : "SIGTERM");
+  spdlog::info("{}: finishing what runs", strsignal(signal));
   const maploc::Status status = server.value()->Shutdown();
   if (!status.ok()) return Fail(status);
   spdlog::info("stopped; statistics are on disk");

@@ -15,6 +15,7 @@
 #include "mapstore/base/status.h"
 #include "mapstore/store/map_store.h"
 #include "server/app/options.h"
+#include "server/app/serve_lock.h"
 #include "server/service/services.h"
 #include "server/sessions/map_cache.h"
 #include "server/sessions/session_manager.h"
@@ -45,12 +46,13 @@ class Server {
   void WaitForShutdown();
 
  private:
-  Server(const ServerOptions& options, std::unique_ptr<MapStore> store);
+  Server(const ServerOptions& options, std::unique_ptr<MapStore> store, ServeLock lock);
   Status StartDomain();
   Status Listen();
 
   const ServerOptions options_;
   int port_ = 0;
+  ServeLock lock_;  // first, so that it is let go last
   std::unique_ptr<MapStore> store_;
   std::unique_ptr<SessionManager> sessions_;
   std::unique_ptr<MapCache> maps_;

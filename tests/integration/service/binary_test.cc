@@ -4,6 +4,10 @@
 #include <fstream>
 #include <thread>
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include "client/api/client.h"
 #include "mapstore/store/sqlite_store.h"
 #include "tests/contract/store/store_fixture.h"
@@ -115,11 +119,31 @@ TEST_F(BinaryTest, ATruncatedStoreIsOneLineAndExitOne) {
   EXPECT_TRUE(Read("store") == cut);
 }
 
-TEST_F(BinaryTest, AnInterruptIsACleanEndToo) {
-  Process server(Command(), folder_.File("stderr"));
-  WaitForAddress();
-  server.Signal(SIGINT);
-  EXPECT_EQ(server.Wait(), 0) << Read("stderr");
+TEST_F(BinaryTest, AnInterruptOrAClosedTerminalIsACleanEndToo) {
+  for (const int signal : {SIGINT, SIGHUP}) {
+    Process server(Command(), folder_.File("stderr"));
+    WaitForAddress();
+    server.Signal(signal);
+    EXPECT_EQ(server.Wait(), 0) << Read("stderr");
+    EXPECT_FALSE(std::filesystem::exists(folder_.File("port")));
+  }
+}
+
+TEST_F(BinaryTest, ALogThatNobodyReadsAnyMoreDoesNotEndIt) {
+  GiveMap(**OpenSqliteStore(folder_.File("store")));
+  ASSERT_EQ(mkfifo(folder_.File("log").c_str(), 0600), 0);
+  const int reader = open(folder_.File("log").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  Process server(Command(), folder_.File("log"));
+  const std::string address = WaitForAddress();
+  close(reader);
+  // Each start of a session is a line of the log.
+  const Client client(address);
+  for (int i = 0; i < 3; ++i) {
+    const Result<SessionId> session = client.StartSession("yard", "rover", {});
+    EXPECT_TRUE(session.ok()) << session.status().ToString();
+  }
+  server.Signal(SIGTERM);
+  EXPECT_EQ(server.Wait(), 0);
 }
 
 }  // namespace

@@ -108,6 +108,20 @@ TEST_F(LifecycleTest, APortInUseIsAnError) {
   EXPECT_TRUE(client_->Localize(QueryAt(2.0)).ok());
 }
 
+TEST_F(LifecycleTest, ASecondServerOnTheStoreIsRefused) {
+  ServerOptions second = options_;
+  second.port_file.clear();
+  std::filesystem::create_symlink(options_.store, folder_.File("link"));
+  for (const std::string& name : {options_.store, folder_.File("link")}) {
+    second.store = name;
+    const Result<std::unique_ptr<Server>> server = Server::Start(second);
+    EXPECT_EQ(server.status().reason(), "STORE_IN_USE");
+    EXPECT_NE(server.status().message().find(name), std::string::npos);
+  }
+  EXPECT_TRUE(client_->Localize(QueryAt(2.0)).ok());
+  RestartServer();  // the first one let go of it
+}
+
 TEST_F(LifecycleTest, AMissingStoreIsMade) {
   ServerOptions fresh = options_;
   fresh.store = folder_.File("fresh");
@@ -130,6 +144,7 @@ TEST_F(LifecycleTest, AFileThatIsNoStoreIsRefusedAndLeftAlone) {
 
 TEST_F(LifecycleTest, APortFileThatCannotBeWrittenIsAnError) {
   ServerOptions options = options_;
+  options.store = folder_.File("another");
   options.port_file = folder_.File("no/such/folder/port");
   EXPECT_EQ(Server::Start(options).status().reason(), "CANNOT_WRITE");
 }

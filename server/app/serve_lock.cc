@@ -1,0 +1,43 @@
+#include "server/app/serve_lock.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace maploc {
+namespace {
+
+// One store has one lock, by whatever name it is opened.
+std::string LockPath(const std::string& store_path) {
+  std::error_code error;
+  const std::filesystem::path real = std::filesystem::canonical(store_path, error);
+  return (error ? store_path : real.string()) + "-server";
+}
+
+}  // namespace
+
+Result<ServeLock> ServeLock::Acquire(const std::string& store_path) {
+  const std::string path = LockPath(store_path);
+  ServeLock lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+  struct flock whole_file {};
+  whole_file.l_type = F_WRLCK;
+  whole_file.l_whence = SEEK_SET;
+  if (lock.file_ >= 0 && fcntl(lock.file_, F_OFD_SETLK, &whole_file) == 0) return lock;
+  if (errno == EAGAIN || errno == EACCES) {
+    return Status(StatusCode::kUnavailable, "STORE_IN_USE",
+                  store_path +
+                      ": another maploc-server serves this store; stop it, or give this "
+                      "one a store of its own");
+  }
+  return Status(StatusCode::kUnavailable, "CANNOT_LOCK",
+                path + ": cannot be locked (" + std::strerror(errno) + "); check its permissions");
+}
+
+ServeLock::~ServeLock() {
+  if (file_ >= 0) close(file_);
+}
+
+}  // namespace maploc
