@@ -1,6 +1,8 @@
 #include "client/api/client.h"
 
 #include <algorithm>
+#include <charconv>
+#include <optional>
 #include <random>
 #include <thread>
 
@@ -17,6 +19,9 @@ namespace {
 // The service's UPPER_SNAKE reason, in the trailing metadata; faults that gRPC itself reports have
 // none.
 constexpr char kReasonKey[] = "maploc-reason";
+
+// gRFC A6: the milliseconds after which a refused call is to be made again.
+constexpr char kPushbackKey[] = "grpc-retry-pushback-ms";
 
 // A server that starts again is found within seconds, not after gRPC's default of up to two
 // minutes.
@@ -73,6 +78,25 @@ std::string NewRequestId() {
   return id;
 }
 
+// The server sends it with a call that it refused before it began, so that a repetition is safe
+// whatever was called. Nullopt where it does not stand, or is no number of milliseconds.
+std::optional<std::chrono::milliseconds> Pushback(const grpc::ClientContext& context) {
+  const auto& trailer = context.GetServerTrailingMetadata();
+  const auto pushback = trailer.find(kPushbackKey);
+  if (pushback == trailer.end()) return std::nullopt;
+  const char* const end = pushback->second.data() + pushback->second.size();
+  std::int32_t wait_ms = -1;
+  const auto [parsed, error] = std::from_chars(pushback->second.data(), end, wait_ms);
+  if (error != std::errc() || parsed != end || wait_ms < 0) return std::nullopt;
+  return std::chrono::milliseconds(wait_ms);
+}
+
+// Robots that were refused together must not come back together: up to a quarter more.
+std::chrono::milliseconds WithJitter(std::chrono::milliseconds wait) {
+  std::random_device entropy;
+  return wait + wait * (entropy() % 256) / 1024;
+}
+
 enum class Repeat { kNever, kSafe };
 
 // Callers index their features with what came over the wire.
@@ -100,7 +124,21 @@ struct Client::Impl {
         localization(v1::LocalizationService::NewStub(channel)),
         maps(v1::MapService::NewStub(channel)) {}
 
-  // Calls `method` with a deadline an attempt, and again after UNAVAILABLE where that is safe.
+  // How long to wait before a failed call is made again; nullopt: it is not.
+  std::optional<std::chrono::milliseconds> Wait(const grpc::Status& status,
+                                                const grpc::ClientContext& context, Repeat repeat,
+                                                std::chrono::milliseconds backoff) const {
+    if (status.ok()) return std::nullopt;
+    if (const auto pushback = Pushback(context)) {
+      const auto wait = std::max(*pushback, backoff);
+      return *pushback <= options.longest_wait ? std::optional(wait) : std::nullopt;
+    }
+    const bool again =
+        repeat == Repeat::kSafe && status.error_code() == grpc::StatusCode::UNAVAILABLE;
+    return again ? std::optional(backoff) : std::nullopt;
+  }
+
+  // Calls `method` with a deadline an attempt, and again where that is safe.
   template <typename Stub, typename Request, typename Response>
   Status Call(Stub& stub,
               grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
@@ -110,10 +148,9 @@ struct Client::Impl {
       grpc::ClientContext context;
       context.set_deadline(std::chrono::system_clock::now() + options.call_timeout);
       const grpc::Status status = (stub.*method)(&context, request, response);
-      const bool again = status.error_code() == grpc::StatusCode::UNAVAILABLE &&
-                         repeat == Repeat::kSafe && attempt < options.max_attempts;
-      if (!again) return StatusFromGrpc(status, context, server);
-      std::this_thread::sleep_for(backoff);
+      const auto wait = Wait(status, context, repeat, backoff);
+      if (!wait || attempt >= options.max_attempts) return StatusFromGrpc(status, context, server);
+      std::this_thread::sleep_for(WithJitter(*wait));
       backoff *= 2;
     }
   }

@@ -1,6 +1,7 @@
 // maploc's C++ client: one connection to one server. Every call has a deadline; only calls that are
-// safe to repeat are repeated (StartSession, by its request_id; EndSession and all reads; Localize
-// only outside of a session). gRPC's headers stay in client.cc.
+// safe to repeat are repeated: after UNAVAILABLE StartSession (by its request_id), EndSession, all
+// reads, and Localize only outside of a session; every call that the server refused before it began
+// and asked to repeat (a full queue). gRPC's headers stay in client.cc.
 //
 // Thread-safe.
 #pragma once
@@ -22,8 +23,10 @@ namespace maploc {
 
 struct ClientOptions {
   std::chrono::milliseconds call_timeout{10000};  // of each attempt
-  int max_attempts = 4;                          // of calls that are safe to repeat, on UNAVAILABLE
-  std::chrono::milliseconds first_backoff{100};  // doubles an attempt
+  int max_attempts = 4;                           // of calls that are safe to repeat
+  std::chrono::milliseconds first_backoff{100};   // doubles an attempt
+  // A server that asks for a longer wait is not waited for: its refusal is returned.
+  std::chrono::milliseconds longest_wait{2000};
 };
 
 // What GetMap tells of a map.
