@@ -74,7 +74,8 @@ struct Localization {
   PoseCovariance covariance = PoseCovariance::Zero();  // never zero with kLocalized
   Evidence evidence;
   StrategySource strategy_source =
-      StrategySource::kDefault;  // of the segment's recorded (or requested) strategy
+      StrategySource::kDefault;    // of the segment's recorded (or requested) strategy
+  double predicted_success = 0.0;  // of one iteration with the recorded strategy; 0 before evidence
   StageTimes times;
   Matches matches;                               // in the segment that answered
   std::vector<std::uint8_t> point_match_inlier;  // one a point match, 0 or 1

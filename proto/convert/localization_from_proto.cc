@@ -84,6 +84,7 @@ Result<Localization> LocalizationFromProto(const v1::LocalizeResponse& response,
   result.map = {map, response.map_version()};
   result.segment = response.segment_id();
   result.strategy_source = static_cast<StrategySource>(response.strategy_source());
+  result.predicted_success = response.predicted_success();
   result.times = TimesFromProto(response.times());
   MAPLOC_ASSIGN_OR_RETURN(result.evidence, EvidenceFromProto(response));
   MAPLOC_RETURN_IF_ERROR(PoseFromProto(response, &result));

@@ -61,6 +61,7 @@ void LocalizationToProto(const Query& query, const Localization& localization, b
   response->set_map_version(localization.map.version);
   response->set_segment_id(localization.segment);
   response->set_strategy_source(static_cast<v1::StrategySource>(localization.strategy_source));
+  response->set_predicted_success(localization.predicted_success);
   EvidenceToProto(localization.evidence, response);
   TimesToProto(localization.times, response->mutable_times());
   response->set_request_id(query.request_id);

@@ -118,6 +118,7 @@ Localization Begin(const Context& context, const MapSnapshot::Entry& entry) {
   answer.strategy_source =
       context.query.requested_strategy ? StrategySource::kRequested : entry.decision.source;
   answer.evidence.strategy = ChooseStrategy(context, entry.decision);
+  answer.predicted_success = entry.decision.predicted_success;
   return answer;
 }
 

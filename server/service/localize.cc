@@ -26,11 +26,6 @@ Observation Observe(const Localization& localization, const Clock& clock) {
   return observation;
 }
 
-double PredictedSuccess(const MapSnapshot& map, SegmentId segment) {
-  if (segment < 0) return 0.0;
-  return map.segments[static_cast<std::size_t>(segment)].decision.predicted_success;
-}
-
 }  // namespace
 
 Status HandleLocalize(const ServiceContext& context, const Call& call,
@@ -56,7 +51,6 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   answer.times.total_ms = MillisecondsSince(start, *context.clock);
   if (lease) MAPLOC_RETURN_IF_ERROR(lease->Record(Observe(answer, *context.clock)));
   LocalizationToProto(query, answer, request.include_matches(), response);
-  response->set_predicted_success(PredictedSuccess(*map, answer.segment));
   return Status::Ok();
 }
 

@@ -26,6 +26,7 @@ Localization LocalizedAnswer() {
   answer.evidence.gravity_rejected = true;
   answer.evidence.confidence = 0.999;
   answer.strategy_source = StrategySource::kPinned;
+  answer.predicted_success = 0.125;
   answer.times = {1, 2, 3, 4, 5, 16};
   answer.matches.points = {{.feature = 4}, {.feature = 9}};
   answer.point_match_inlier = {1, 0};
@@ -61,6 +62,7 @@ TEST(LocalizationConvert, ComesBackTheSame) {
   EXPECT_EQ(got->evidence.gravity_rejected, sent.evidence.gravity_rejected);
   EXPECT_EQ(got->evidence.confidence, sent.evidence.confidence);
   EXPECT_EQ(got->strategy_source, sent.strategy_source);
+  EXPECT_EQ(got->predicted_success, sent.predicted_success);
   EXPECT_EQ(got->times.retrieval_ms, 2);
   EXPECT_EQ(got->times.total_ms, 16);
   ASSERT_EQ(got->matches.points.size(), 2u);
