@@ -32,6 +32,7 @@ CLI::Option* AddServerFlag(CLI::App& command, CommandContext& context);
 void AddLocalizeCommand(CLI::App& app, CommandContext& context);
 void AddReplayCommand(CLI::App& app, CommandContext& context);
 void AddEndSessionCommand(CLI::App& app, CommandContext& context);
+void AddLoadCommand(CLI::App& app, CommandContext& context);
 void AddSimulateCommand(CLI::App& app, CommandContext& context);
 
 }  // namespace maploc

@@ -26,6 +26,7 @@ int Main(int argc, char** argv) {
   AddLocalizeCommand(app, context);
   AddReplayCommand(app, context);
   AddEndSessionCommand(app, context);
+  AddLoadCommand(app, context);
   AddSimulateCommand(app, context);
   try {
     app.parse(argc, argv);

@@ -89,7 +89,7 @@ TEST_F(MaplocTest, WrongUsageIsTwoAndHelpShowsAnExample) {
   EXPECT_EQ(Run("maploc replay --server a:1 --map m --colmap d --strategy 3p").code, 2);
   EXPECT_EQ(Run("maploc replay --server a:1 --map m --colmap d --label season").code, 2);
   EXPECT_EQ(Run("maploc localize --server a:1 --map m --image i --camera c --gravity 0,1").code, 2);
-  for (const char* command : {"localize", "replay", "end-session", "simulate"}) {
+  for (const char* command : {"localize", "replay", "end-session", "load", "simulate"}) {
     const Outcome help = Run(std::string("maploc ") + command + " --help");
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.out, HasSubstr(std::string("  maploc ") + command));
@@ -148,6 +148,30 @@ TEST_F(MaplocTest, AReplayLocalizesAndReportsWhatScriptsRelyOn) {
   EXPECT_EQ(once.code, 0) << once.err;
   EXPECT_EQ(once.out, twice.out);
   EXPECT_EQ(Json::parse(once.out)["queries"], 180);
+}
+
+TEST_F(MaplocTest, ManyRobotsAtOnceAreReported) {
+  const std::string load = "maploc load" + At() + "--map campus --colmap " + Campus("model") +
+                           " --database " + Campus("database.db") +
+                           " --gravity-noise-deg 0.5 --robots 4 --session-queries 5 --json ";
+  const Outcome run = Run(load + "--seconds 1");
+  ASSERT_EQ(run.code, 0) << run.err;
+  const Json json = Json::parse(run.out);
+  int answers = 0;
+  for (const auto& [outcome, count] : json["outcomes"].items()) answers += count.get<int>();
+  for (const auto& [code, count] : json["errors"].items()) answers += count.get<int>();
+  EXPECT_GT(json["outcomes"]["LOCALIZED"].get<int>(), 0);
+  EXPECT_EQ(json["requests"], answers);
+  EXPECT_GT(json["per_second"].get<double>(), 0.0);
+  EXPECT_GE(json["sessions"].get<int>(), 4);
+  for (const char* key : {"p50", "p95", "p99"}) {
+    EXPECT_GT(json["latency_ms"][key].get<double>(), 0.0) << key;
+  }
+
+  // Ten a second for a second, whatever the server could do.
+  const Json paced = Json::parse(Run(load + "--seconds 1 --rate 10 --without-sessions").out);
+  EXPECT_EQ(paced["requests"], 10);
+  EXPECT_EQ(paced["sessions"], 0);
 }
 
 TEST_F(MaplocTest, RobotsInTheCampusTeachTheServerAndLeaveAPicture) {

@@ -1,0 +1,138 @@
+#include "client/robot/load.h"
+
+#include <thread>
+#include <utility>
+
+namespace maploc {
+namespace {
+
+using Moment = std::chrono::steady_clock::time_point;
+
+double MillisecondsSince(Moment start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+ClientOptions OneAttempt() {
+  ClientOptions options;
+  options.max_attempts = 1;
+  return options;
+}
+
+// One robot, in a thread of its own.
+class LoadRobot {
+ public:
+  LoadRobot(const std::string& server, const std::string& map, const std::vector<Query>& queries,
+            const LoadOptions& options, int index)
+      : client_(server),
+        impatient_(server, OneAttempt()),
+        map_(map),
+        queries_(queries),
+        options_(options),
+        index_(index) {}
+
+  void Run(Moment start) {
+    const Moment end = start + std::chrono::duration_cast<Moment::duration>(options_.duration);
+    for (std::int64_t i = 0; status_.ok(); ++i) {
+      const Moment due = Due(start, i);
+      if (due >= end) break;
+      std::this_thread::sleep_until(due);
+      if (options_.sessions && session_.empty()) status_ = StartSession();
+      if (status_.ok())
+        Ask(i, options_.rate_per_second > 0 ? due : std::chrono::steady_clock::now());
+      if (asked_ == options_.queries_a_session) EndSession();
+    }
+    if (status_.ok()) EndSession();
+  }
+
+  const Status& status() const { return status_; }
+  LoadReport& report() { return report_; }
+
+ private:
+  // When the i-th query of this robot is to be sent; robots take turns.
+  Moment Due(Moment start, std::int64_t i) const {
+    if (options_.rate_per_second <= 0) return std::chrono::steady_clock::now();
+    const std::chrono::duration<double> after(static_cast<double>(i * options_.robots + index_) /
+                                              options_.rate_per_second);
+    return start + std::chrono::duration_cast<Moment::duration>(after);
+  }
+
+  Status StartSession() {
+    MAPLOC_ASSIGN_OR_RETURN(session_,
+                            client_.StartSession(map_, "load-" + std::to_string(index_), {}));
+    asked_ = 0;
+    return Status::Ok();
+  }
+
+  void Ask(std::int64_t i, Moment since) {
+    Query query = queries_[static_cast<std::size_t>(i + index_) % queries_.size()];
+    query.map = map_;
+    query.session = session_;
+    const Result<Localization> answer = impatient_.Localize(query);
+    ++report_.requests;
+    ++asked_;
+    if (answer.ok()) {
+      report_.latencies_ms.push_back(MillisecondsSince(since));
+      ++report_.outcomes[answer->outcome];
+    } else {
+      ++report_.errors[std::string(StatusCodeName(answer.status().code()))];
+    }
+  }
+
+  void EndSession() {
+    if (session_.empty()) return;
+    const Moment start = std::chrono::steady_clock::now();
+    const Result<SessionSummary> summary = client_.EndSession(std::exchange(session_, {}));
+    status_ = summary.status();
+    if (summary.ok()) report_.end_session_ms.push_back(MillisecondsSince(start));
+  }
+
+  const Client client_;
+  const Client impatient_;  // for what is counted as it comes
+  const std::string& map_;
+  const std::vector<Query>& queries_;
+  const LoadOptions& options_;
+  const int index_;
+  SessionId session_;
+  int asked_ = 0;
+  Status status_;
+  LoadReport report_;
+};
+
+void Append(const std::vector<double>& from, std::vector<double>& to) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+void Add(const LoadReport& one, LoadReport& all) {
+  all.requests += one.requests;
+  Append(one.latencies_ms, all.latencies_ms);
+  Append(one.end_session_ms, all.end_session_ms);
+  for (const auto& [outcome, count] : one.outcomes) all.outcomes[outcome] += count;
+  for (const auto& [code, count] : one.errors) all.errors[code] += count;
+}
+
+}  // namespace
+
+Result<LoadReport> RunLoad(const std::string& server, const std::string& map,
+                           const std::vector<Query>& queries, const LoadOptions& options) {
+  std::vector<std::unique_ptr<LoadRobot>> robots;
+  for (int i = 0; i < options.robots; ++i) {
+    robots.push_back(std::make_unique<LoadRobot>(server, map, queries, options, i));
+  }
+  const Moment start = std::chrono::steady_clock::now();
+  std::vector<std::thread> threads;
+  for (const auto& robot : robots) {
+    threads.emplace_back([&robot, start] { robot->Run(start); });
+  }
+  for (std::thread& thread : threads) thread.join();
+
+  LoadReport report;
+  report.elapsed = std::chrono::steady_clock::now() - start;
+  for (const auto& robot : robots) {
+    MAPLOC_RETURN_IF_ERROR(robot->status());
+    Add(robot->report(), report);
+  }
+  return report;
+}
+
+}  // namespace maploc
