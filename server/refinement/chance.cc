@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFarAway = 1e9;
+constexpr double kAccidents = 2.0;
 // Displacements by the same distance in the map differ in the image by about this share.
 constexpr double kPerspectiveShare = 0.05;
 // Outliers that lie this close are the tail of the same pose's noise and of badly triangulated
@@ -63,23 +64,26 @@ int DistinctInliers(const std::vector<PointUnderPose>& points,
 PairCount WrongPairs(const std::vector<PointUnderPose>& points,
                      const std::vector<std::uint8_t>& inliers, double threshold) {
   const double threshold2 = threshold * threshold;
-  std::vector<PointUnderPose> looked_at;
   std::vector<PointUnderPose> outliers;  // an inlier's place is taken by its own feature
-  for (const std::size_t i : SpreadIndices(points.size())) {
-    looked_at.push_back(points[i]);
+  for (std::size_t i = 0; i < points.size(); ++i) {
     if (inliers[i] == 0) outliers.push_back(points[i]);
   }
+  const std::vector<std::size_t> features = SpreadIndices(points.size(), kMostFeatures);
   PairCount count;
-  for (const PointUnderPose& outlier : outliers) {
+  std::vector<std::int64_t> per_landmark;
+  for (const std::size_t j : SpreadIndices(outliers.size(), kMostLandmarks)) {
+    const PointUnderPose& outlier = outliers[j];
     std::int64_t agreeing = 0;
-    for (const PointUnderPose& point : looked_at) {  // itself is not apart from itself
+    for (const std::size_t i : features) {  // itself is not apart from itself
+      const PointUnderPose& point = points[i];
       const bool apart = (point.seen - outlier.seen).squaredNorm() >= 4.0 * threshold2;
       const bool agree = (point.seen - outlier.projected).squaredNorm() < threshold2;
       count.pairs += apart ? 1 : 0;
       agreeing += apart && agree ? 1 : 0;
     }
-    count.agreeing += std::max<std::int64_t>(agreeing - 1, 0);
+    per_landmark.push_back(agreeing);
   }
+  count.agreeing = AgreeingByRepetition(per_landmark);
   return count;
 }
 
@@ -101,7 +105,7 @@ double SharedShift(const std::vector<PointUnderPose>& points,
   const double area = std::max(SpreadArea(shifts), 1e-12);
   PairCount count;
   double expected = 0.0;  // pairs alike by accident
-  const std::vector<std::size_t> looked_at = SpreadIndices(outliers.size());
+  const std::vector<std::size_t> looked_at = SpreadIndices(outliers.size(), kMostShifts);
   for (std::size_t a = 0; a < looked_at.size(); ++a) {
     const Outlier& one = outliers[looked_at[a]];
     const double tolerance =
@@ -156,6 +160,22 @@ double ShareBeyondAccident(const PairCount& count, double expected_share) {
   const double agreeing = static_cast<double>(count.agreeing);
   if (agreeing <= expected + 3.0 * std::sqrt(expected) + 2.0) return expected_share;
   return agreeing / static_cast<double>(count.pairs);
+}
+
+std::int64_t AgreeingByRepetition(const std::vector<std::int64_t>& per_landmark) {
+  std::int64_t all = 0;
+  std::int64_t landmarks = 0;  // with any
+  for (const std::int64_t agreeing : per_landmark) {
+    all += agreeing;
+    landmarks += agreeing > 0 ? 1 : 0;
+  }
+  const double count = static_cast<double>(per_landmark.size());
+  if (count == 0) return 0;
+  const std::int64_t excess = all - landmarks;
+  const double share = std::min(static_cast<double>(landmarks) / count, 1.0 - 0.5 / count);
+  const double excess_of_pattern = (-std::log1p(-share) - share) * count;
+  const bool exchanged = static_cast<double>(excess) + kAccidents < 0.5 * excess_of_pattern;
+  return exchanged ? excess : all;
 }
 
 Agreement PointAgreement(const std::vector<PointCorrespondence>& points,

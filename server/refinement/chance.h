@@ -27,24 +27,28 @@ struct PairCount {
 // handful of accidents among few pairs is no pattern (three standard deviations, and two pairs).
 double ShareBeyondAccident(const PairCount& count, double expected_share);
 
+// Features that agree with wrong matches' landmarks (so many with each) because places repeat: all,
+// unless wrong matches have merely exchanged their features. Then every landmark's own feature
+// agrees with it under the true pose, one with each and hardly ever two. Where places repeat the
+// numbers are Poisson's, and a share f of landmarks with any goes with -ln(1 - f) - f more a
+// landmark: found less than half of that, beyond accident, only the excess counts.
+std::int64_t AgreeingByRepetition(const std::vector<std::int64_t>& per_landmark);
+
 // Evidence of one feature type under a pose.
 struct Agreement {
   int matches = 0;
-  int distinct_inliers = 0;  // features closer together than the threshold count once
-  PairCount wrong_pairs;     // (feature i, outlier's landmark j) with i and j seen apart; see below
+  int distinct_inliers = 0;   // features closer together than the threshold count once
+  PairCount wrong_pairs;      // (feature i, outlier's landmark j) with i and j seen apart
   double shared_shift = 0.0;  // see below; 0 unless it is more than accident
 };
 
-// `wrong_pairs`: of the features that agree with one wrong match's landmark one does not count:
-// under the true pose the landmark's own feature agrees with it, whatever that was matched with.
-//
 // `shared_shift`: how probable is it that two wrong matches are off alike? Match i is off by d_i =
 // seen_i - projected_i. In a picture of equal windows, where each match takes a window of its own
 // for another, wrong matches agree in being some windows off, and a pose that explains "none off"
 // is as probable as one that explains "one off". It is the share of pairs of outliers, seen apart,
 // whose d agree within the threshold or a twentieth of their length (perspective).
 //
-// `threshold` and lengths in the plane z = 1. Looks at no more than about 160 x 160 pairs, evenly
+// `threshold` and lengths in the plane z = 1. Looks at no more than about 100,000 pairs, evenly
 // spread; O(n log n) otherwise.
 Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
                          const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,

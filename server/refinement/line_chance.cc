@@ -77,18 +77,24 @@ int DistinctInliers(const std::vector<LineUnderPose>& lines,
 PairCount WrongPairs(const std::vector<LineUnderPose>& lines,
                      const std::vector<std::uint8_t>& inliers, double threshold) {
   PairCount count;
-  const std::vector<std::size_t> looked_at = SpreadIndices(lines.size());
-  for (const std::size_t j : looked_at) {
-    if (inliers[j] != 0 || !lines[j].projects) continue;  // an inlier's place is taken
+  std::vector<std::int64_t> per_landmark;
+  std::vector<std::size_t> outliers;  // an inlier's place is taken
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (inliers[i] == 0 && lines[i].projects) outliers.push_back(i);
+  }
+  const std::vector<std::size_t> features = SpreadIndices(lines.size(), kMostFeatures);
+  for (const std::size_t index : SpreadIndices(outliers.size(), kMostLandmarks)) {
+    const std::size_t j = outliers[index];
     std::int64_t agreeing = 0;
-    for (const std::size_t i : looked_at) {
+    for (const std::size_t i : features) {
       if (i == j || !AreAlike(lines[i].seen_line, lines[j].projected_line)) continue;
       if (LiesOn(lines[i].seen, lines[j].seen_line, 2.0 * threshold)) continue;
       ++count.pairs;
       agreeing += LiesOn(lines[i].seen, lines[j].projected_line, threshold) ? 1 : 0;
     }
-    count.agreeing += std::max<std::int64_t>(agreeing - 1, 0);
+    per_landmark.push_back(agreeing);
   }
+  count.agreeing = AgreeingByRepetition(per_landmark);
   return count;
 }
 
@@ -106,7 +112,7 @@ double SharedShift(const std::vector<LineUnderPose>& lines,
   const double range = std::sqrt(12.0 * sum2 / std::max<double>(1.0, outliers.size()));
   PairCount count;
   double expected = 0.0;
-  const std::vector<std::size_t> looked_at = SpreadIndices(outliers.size());
+  const std::vector<std::size_t> looked_at = SpreadIndices(outliers.size(), kMostShifts);
   for (std::size_t a = 0; a < looked_at.size(); ++a) {
     const LineUnderPose& one = outliers[looked_at[a]];
     const double tolerance =

@@ -34,6 +34,15 @@ TEST(SpreadArea, OfAUniformRectangleIsItsArea) {
   EXPECT_EQ(SpreadArea({{0, 0}, {1, 1}}), 0.0);
 }
 
+TEST(AgreeingByRepetition, LeavesOutExchangedFeaturesAndKeepsPatterns) {
+  EXPECT_EQ(AgreeingByRepetition({}), 0);
+  EXPECT_EQ(AgreeingByRepetition(std::vector<std::int64_t>(20, 1)), 0) << "exchanged";
+  EXPECT_EQ(AgreeingByRepetition(std::vector<std::int64_t>(20, 4)), 80) << "each place four times";
+  std::vector<std::int64_t> sparse(20, 0);
+  sparse[3] = sparse[7] = sparse[11] = 1;
+  EXPECT_EQ(AgreeingByRepetition(sparse), 3) << "too few to tell: the safe side";
+}
+
 TEST(ConfidenceOf, FallsWithFalseAlarmsAndIsTheBarWhereTheCalibrationHasIt) {
   double last = 1.0;
   for (double log_alarms = -14; log_alarms < 5; log_alarms += 0.1) {
