@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapstore/statistics/change.h"
 #include "mapstore/statistics/statistics.h"
 
 namespace maploc {
@@ -9,34 +8,17 @@ namespace {
 
 double Number(std::int64_t count) { return static_cast<double>(count); }
 
+std::size_t IndexOf(ChangeKind kind) { return static_cast<std::size_t>(kind) - 1; }
+
 }  // namespace
 
 StatisticsFold::StatisticsFold(const StatisticsOptions& options)
     : options_(options), decay_(std::exp2(-1.0 / options.half_life_sessions)) {}
 
-double StatisticsFold::IndependentQueries(std::int64_t queries) const {
-  return std::min(static_cast<double>(queries), options_.independent_queries_per_session);
-}
-
-double StatisticsFold::IndependentMatches(const SegmentSessionRow& row,
-                                          std::int64_t matches) const {
-  return std::min(static_cast<double>(matches),
-                  IndependentQueries(row.localized) * options_.independent_matches_per_query);
-}
-
 bool StatisticsFold::IsChange(const SegmentSessionRow& row) const {
-  const std::int64_t lines = row.usable_line_matches + row.vertical_line_matches;
-  const Proportion points = {Number(row.point_inliers), Number(row.point_matches),
-                             IndependentMatches(row, row.point_matches)};
-  const Proportion both_lines = {Number(row.usable_line_inliers + row.vertical_line_inliers),
-                                 Number(lines), IndependentMatches(row, lines)};
-  const Proportion success = {Number(row.localized), Number(row.queries),
-                              IndependentQueries(row.queries)};
-  return IsChanged({sum_.point_inliers, sum_.point_matches, sum_.independent_points}, points) ||
-         IsChanged({sum_.usable_line_inliers + sum_.vertical_line_inliers,
-                    sum_.usable_line_matches + sum_.vertical_line_matches, independent_lines_},
-                   both_lines) ||
-         IsChanged({sum_.weighted_localized, sum_.weighted_queries, independent_queries_}, success);
+  return std::any_of(kChangeKinds.begin(), kChangeKinds.end(), [&](ChangeKind kind) {
+    return IsChanged(shares_[IndexOf(kind)], ProportionOf(kind, row, options_));
+  });
 }
 
 void StatisticsFold::Discount(double factor) {
@@ -44,9 +26,12 @@ void StatisticsFold::Discount(double factor) {
        {&sum_.point_matches, &sum_.point_inliers, &sum_.usable_line_matches,
         &sum_.usable_line_inliers, &sum_.vertical_line_matches, &sum_.vertical_line_inliers,
         &sum_.weighted_queries, &sum_.weighted_localized, &sum_.independent_points,
-        &sum_.independent_usable_lines, &sum_.independent_vertical_lines, &independent_lines_,
-        &independent_queries_, &point_medians_, &usable_line_medians_, &vertical_line_medians_}) {
+        &sum_.independent_usable_lines, &sum_.independent_vertical_lines, &point_medians_,
+        &usable_line_medians_, &vertical_line_medians_}) {
     *value *= factor;
+  }
+  for (Proportion& share : shares_) {
+    share = {share.good * factor, share.total * factor, share.independent * factor};
   }
 }
 
@@ -64,19 +49,18 @@ void StatisticsFold::Add(const SegmentSessionRow& row) {
   sum_.vertical_line_inliers += Number(row.vertical_line_inliers);
   sum_.weighted_queries += Number(row.queries);
   sum_.weighted_localized += Number(row.localized);
-  AddIndependent(row);
+  const auto independent = [&](std::int64_t matches) {
+    return IndependentMatches(row.localized, matches, options_);
+  };
+  sum_.independent_points += independent(row.point_matches);
+  sum_.independent_usable_lines += independent(row.usable_line_matches);
+  sum_.independent_vertical_lines += independent(row.vertical_line_matches);
+  for (const ChangeKind kind : kChangeKinds) {
+    AddTo(shares_[IndexOf(kind)], ProportionOf(kind, row, options_));
+  }
   point_medians_ += Number(row.localized) * row.median_point_matches;
   usable_line_medians_ += Number(row.localized) * row.median_usable_line_matches;
   vertical_line_medians_ += Number(row.localized) * row.median_vertical_line_matches;
-}
-
-void StatisticsFold::AddIndependent(const SegmentSessionRow& row) {
-  sum_.independent_points += IndependentMatches(row, row.point_matches);
-  sum_.independent_usable_lines += IndependentMatches(row, row.usable_line_matches);
-  sum_.independent_vertical_lines += IndependentMatches(row, row.vertical_line_matches);
-  independent_lines_ +=
-      IndependentMatches(row, row.usable_line_matches + row.vertical_line_matches);
-  independent_queries_ += IndependentQueries(row.queries);
 }
 
 SegmentStatistics StatisticsFold::Value() const {

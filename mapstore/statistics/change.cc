@@ -2,25 +2,132 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace maploc {
 namespace {
 
 constexpr double kZ99 = 2.5758293035489004;  // two-sided 99% of the normal distribution
+constexpr double kMinSplitDeviation = 4.0;
+
+double Number(std::int64_t count) { return static_cast<double>(count); }
+
+double Trials(const Proportion& share) { return std::min(share.total, share.independent); }
+
+// Sums of the first n sessions' shares, n from 0.
+std::vector<Proportion> PrefixSums(ChangeKind kind, std::span<const SegmentSessionRow> rows,
+                                   const StatisticsOptions& options) {
+  std::vector<Proportion> sums(1);
+  for (const SegmentSessionRow& row : rows) {
+    sums.push_back(sums.back());
+    AddTo(sums.back(), ProportionOf(kind, row, options));
+  }
+  return sums;
+}
+
+Proportion Between(const std::vector<Proportion>& sums, std::size_t begin, std::size_t end) {
+  return {sums[end].good - sums[begin].good, sums[end].total - sums[begin].total,
+          sums[end].independent - sums[begin].independent};
+}
+
+// In standard deviations, about the mean of both (Jeffreys').
+double DeviationBetween(const Proportion& before, const Proportion& after) {
+  const double n = Trials(before);
+  const double m = Trials(after);
+  if (n <= 0.0 || m <= 0.0) return 0.0;
+  const double low = before.good / before.total;
+  const double high = after.good / after.total;
+  const double mean = (low * n + high * m + 0.5) / (n + m + 1.0);
+  return (high - low) / std::sqrt(mean * (1.0 - mean) * (1.0 / n + 1.0 / m));
+}
+
+struct Split {
+  std::size_t at = 0;
+  double deviation = 0.0;
+};
+
+Split BestSplit(const std::vector<Proportion>& sums, std::size_t begin, std::size_t end) {
+  Split best;
+  for (std::size_t at = begin + 1; at < end; ++at) {
+    const double deviation = DeviationBetween(Between(sums, begin, at), Between(sums, at, end));
+    if (std::abs(deviation) > std::abs(best.deviation)) best = {at, deviation};
+  }
+  return best;
+}
+
+std::optional<ChangePoint> LastChange(ChangeKind kind, std::span<const SegmentSessionRow> rows,
+                                      const StatisticsOptions& options) {
+  const std::vector<Proportion> sums = PrefixSums(kind, rows, options);
+  std::optional<ChangePoint> change;
+  std::size_t begin = 0;
+  while (true) {
+    const Split split = BestSplit(sums, begin, rows.size());
+    if (std::abs(split.deviation) < kMinSplitDeviation) return change;
+    const Proportion before = Between(sums, begin, split.at);
+    const Proportion after = Between(sums, split.at, rows.size());
+    change = {kind,
+              rows[split.at].session,
+              rows[split.at].session_start_unix_ns,
+              static_cast<std::int64_t>(rows.size() - split.at),
+              before.good / before.total,
+              after.good / after.total,
+              split.deviation};
+    begin = split.at;
+  }
+}
 
 }  // namespace
 
-double DeviationOf(const Proportion& old, const Proportion& fresh) {
-  const double old_count = std::min(old.total, old.independent);
-  const double count = std::min(fresh.total, fresh.independent);
-  if (old_count <= 0.0 || count <= 0.0) return 0.0;
+bool IsChanged(const Proportion& old, const Proportion& fresh) {
+  const double old_count = Trials(old);
+  const double count = Trials(fresh);
+  if (old_count <= 0.0 || count <= 0.0) return false;
   const double mean = (old.good / old.total * old_count + 0.5) / (old_count + 1.0);
   const double variance = mean * (1.0 - mean) * (1.0 / old_count + 1.0 / count);
-  return (fresh.good / fresh.total - mean) / std::sqrt(variance);
+  return std::abs(fresh.good / fresh.total - mean) > kZ99 * std::sqrt(variance);
 }
 
-bool IsChanged(const Proportion& old, const Proportion& fresh) {
-  return std::abs(DeviationOf(old, fresh)) > kZ99;
+void AddTo(Proportion& sum, const Proportion& share) {
+  sum.good += share.good;
+  sum.total += share.total;
+  sum.independent += Trials(share);
+}
+
+std::string_view ChangeKindName(ChangeKind kind) {
+  switch (kind) {
+    case ChangeKind::kPoints:
+      return "points";
+    case ChangeKind::kLines:
+      return "lines";
+    case ChangeKind::kSuccess:
+      return "success";
+  }
+  return "unknown";
+}
+
+Proportion ProportionOf(ChangeKind kind, const SegmentSessionRow& row,
+                        const StatisticsOptions& options) {
+  const double matches =
+      IndependentQueries(row.localized, options) * options.independent_matches_per_query;
+  switch (kind) {
+    case ChangeKind::kPoints:
+      return {Number(row.point_inliers), Number(row.point_matches), matches};
+    case ChangeKind::kLines:
+      return {Number(row.usable_line_inliers + row.vertical_line_inliers),
+              Number(row.usable_line_matches + row.vertical_line_matches), matches};
+    case ChangeKind::kSuccess:
+      return {Number(row.localized), Number(row.queries), IndependentQueries(row.queries, options)};
+  }
+  return {};
+}
+
+std::vector<ChangePoint> FindChanges(std::span<const SegmentSessionRow> rows,
+                                     const StatisticsOptions& options) {
+  std::vector<ChangePoint> changes;
+  for (const ChangeKind kind : kChangeKinds) {
+    if (const auto change = LastChange(kind, rows, options)) changes.push_back(*change);
+  }
+  return changes;
 }
 
 }  // namespace maploc

@@ -1,123 +1,69 @@
 #include "mapstore/statistics/selector.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <limits>
+
+#include "mapstore/statistics/criterion.h"
+#include "mapstore/statistics/text.h"
 
 namespace maploc {
 namespace {
 
-// In the order of preference between equals: mixed is the safe one.
-constexpr std::array kCandidates = {Strategy::kMixed, Strategy::k2P, Strategy::k1P1L};
-
-double CostOf(Strategy strategy, const SelectorOptions& options) {
-  switch (strategy) {
-    case Strategy::k1P1L:
-      return options.cost_1p1l;
-    case Strategy::k2P:
-      return options.cost_2p;
-    default:
-      return options.cost_mixed;
+// "1p1l 66.1, mixed 190.2, 2p never"
+std::string TimesOf(const std::array<Strategy, 3>& ranking, const StrategyPrediction& prediction) {
+  std::string text;
+  for (const Strategy strategy : ranking) {
+    const double time = prediction.Of(strategy).expected_time;
+    if (!text.empty()) text += ", ";
+    text += StrategyName(strategy);
+    text += " " + (std::isfinite(time) ? FixedText(time, 1) : "never");
   }
+  return text;
 }
 
-double PosteriorMean(double inliers, double matches, const SelectorOptions& options) {
-  const double total = matches + options.prior_matches;
-  if (total <= 0.0) return options.prior_inlier_ratio;
-  return (inliers + options.prior_matches * options.prior_inlier_ratio) / total;
-}
-
-// The current strategy, or the one that beats it by the hysteresis; mixed where none can succeed.
-Strategy Choose(Strategy current, const StrategyPrediction& prediction,
-                const SelectorOptions& options) {
-  Strategy best = kCandidates.front();
-  for (const Strategy candidate : kCandidates) {
-    if (prediction.ExpectedTimeOf(candidate, options) < prediction.ExpectedTimeOf(best, options)) {
-      best = candidate;
-    }
+std::string MatchesText(const StrategyPrediction& prediction) {
+  const InlierRates means = prediction.rates.Means();
+  std::string text = "points " + FixedText(prediction.matches.points, 1) + " a query at " +
+                     FixedText(means.points, 3) + ", usable lines " +
+                     FixedText(prediction.matches.usable_lines, 1) + " at " +
+                     FixedText(means.usable_lines, 3);
+  if (DrawsVerticalLines(prediction.matches)) {
+    text += ", vertical lines " + FixedText(prediction.matches.vertical_lines, 1) + " at " +
+            FixedText(means.vertical_lines, 3);
   }
-  const double current_time = prediction.ExpectedTimeOf(current, options);
-  const double best_time = prediction.ExpectedTimeOf(best, options);
-  if (std::isinf(best_time)) return Strategy::kMixed;
-  return best_time < (1.0 - options.hysteresis) * current_time ? best : current;
+  return text;
 }
 
-std::array<Strategy, 3> RankByTime(const StrategyPrediction& prediction,
-                                   const SelectorOptions& options) {
-  std::array<Strategy, 3> ranking = kCandidates;
-  std::stable_sort(ranking.begin(), ranking.end(), [&](Strategy a, Strategy b) {
-    return prediction.ExpectedTimeOf(a, options) < prediction.ExpectedTimeOf(b, options);
-  });
-  return ranking;
+// What the criterion alone would have said, where hysteresis overruled it.
+std::string HeldBackText(Strategy current, const StrategyPrediction& prediction,
+                         const SelectorOptions& options) {
+  const Strategy best = RankStrategies(prediction, options).front();
+  if (best == current) return "";
+  return std::string("; ") + std::string(StrategyName(best)) + " is not better by the " +
+         FixedText(100.0 * options.hysteresis, 0) + "% that a change takes";
 }
 
-std::string Describe(Strategy strategy, const StrategyPrediction& prediction,
-                     const SegmentStatistics& statistics) {
-  std::array<char, 320> text;
-  std::snprintf(text.data(), text.size(),
-                "%s: a draw succeeds with 1p1l %.4f, 2p %.4f, mixed %.4f (points: %.1f a query at "
-                "%.3f; usable lines: %.1f at %.3f; %lld localized queries in %lld sessions)",
-                std::string(StrategyName(strategy)).c_str(), prediction.draw.p1p1l,
-                prediction.draw.p2p, prediction.draw.mixed, prediction.point_matches,
-                prediction.point_inlier_ratio, prediction.usable_line_matches,
-                prediction.usable_line_inlier_ratio, static_cast<long long>(statistics.localized),
-                static_cast<long long>(statistics.sessions));
-  return text.data();
+std::string ReasonText(Strategy before, Strategy current, const StrategyPrediction& prediction,
+                       const SegmentStatistics& statistics, const SelectorOptions& options) {
+  std::string text(StrategyName(current));
+  if (before != current) text += " instead of " + std::string(StrategyName(before));
+  text += options.criterion == StrategyCriterion::kPaper ? " by the paper's rule" : "";
+  text += ": expected time to success " + TimesOf(RankStrategies(prediction, options), prediction) +
+          HeldBackText(current, prediction, options) + " (" + MatchesText(prediction) + "; " +
+          FixedText(statistics.weighted_localized, 1) + " localized queries by weight, " +
+          std::to_string(statistics.sessions) + " sessions)";
+  return text;
 }
 
 StrategyDecision WithoutEvidence(const SegmentStatistics& statistics,
                                  const SelectorOptions& options) {
   return {Strategy::kMixed, StrategySource::kDefault,
-          "mixed until there is evidence: " + std::to_string(statistics.localized) + " of " +
-              std::to_string(options.min_localized_queries) + " localized queries",
-          0.0, kCandidates};
+          "mixed until there is evidence: " + FixedText(statistics.weighted_localized, 1) + " of " +
+              std::to_string(options.min_localized_queries) + " localized queries, weighted by age",
+          0.0, kSelectableStrategies};
 }
 
 }  // namespace
-
-DrawProbabilities ComputeDrawProbabilities(double p, double l, double lambda, double gamma) {
-  DrawProbabilities draw;
-  if (p >= 1.0 && l >= 1.0) draw.p1p1l = std::clamp(lambda * gamma, 0.0, 1.0);
-  if (p >= 2.0) draw.p2p = std::clamp(lambda * (lambda * p - 1.0) / (p - 1.0), 0.0, 1.0);
-  if (p >= 1.0 && p + l >= 2.0) {
-    draw.mixed = std::clamp(lambda * (lambda * p + gamma * l - 1.0) / (p + l - 1.0), 0.0, 1.0);
-  }
-  return draw;
-}
-
-double StrategyPrediction::ProbabilityOf(Strategy strategy) const {
-  switch (strategy) {
-    case Strategy::k1P1L:
-      return draw.p1p1l;
-    case Strategy::k2P:
-      return draw.p2p;
-    default:
-      return draw.mixed;
-  }
-}
-
-double StrategyPrediction::ExpectedTimeOf(Strategy strategy, const SelectorOptions& options) const {
-  const double probability = ProbabilityOf(strategy);
-  if (probability <= 0.0) return std::numeric_limits<double>::infinity();
-  return CostOf(strategy, options) / probability;
-}
-
-StrategyPrediction PredictStrategies(const SegmentStatistics& statistics,
-                                     const SelectorOptions& options) {
-  StrategyPrediction prediction;
-  prediction.point_inlier_ratio =
-      PosteriorMean(statistics.point_inliers, statistics.point_matches, options);
-  prediction.usable_line_inlier_ratio =
-      PosteriorMean(statistics.usable_line_inliers, statistics.usable_line_matches, options);
-  prediction.point_matches = statistics.typical_point_matches;
-  prediction.usable_line_matches = statistics.typical_usable_line_matches;
-  prediction.draw =
-      ComputeDrawProbabilities(prediction.point_matches, prediction.usable_line_matches,
-                               prediction.point_inlier_ratio, prediction.usable_line_inlier_ratio);
-  return prediction;
-}
 
 std::array<Strategy, 3> RankAfter(Strategy first, std::array<Strategy, 3> ranking) {
   const auto found = std::find(ranking.begin(), ranking.end(), first);
@@ -125,23 +71,53 @@ std::array<Strategy, 3> RankAfter(Strategy first, std::array<Strategy, 3> rankin
   return ranking;
 }
 
+SelectorFold::SelectorFold(const SelectorOptions& options)
+    : options_(options), statistics_(options.statistics) {}
+
+bool SelectorFold::HasEvidence() const {
+  const SegmentStatistics statistics = statistics_.Value();
+  return statistics.localized > 0 &&
+         statistics.weighted_localized >= static_cast<double>(options_.min_localized_queries);
+}
+
+void SelectorFold::Add(const SegmentSessionRow& row) {
+  statistics_.Add(row);
+  previous_ = current_;
+  if (!HasEvidence()) {
+    current_ = Strategy::kMixed;
+    return;
+  }
+  prediction_ = PredictStrategies(statistics_.Value(), options_);
+  current_ = ChooseStrategy(current_, prediction_, options_);
+}
+
+StrategyDecision SelectorFold::Decision() const {
+  const SegmentStatistics statistics = statistics_.Value();
+  if (!HasEvidence()) return WithoutEvidence(statistics, options_);
+  return {current_, StrategySource::kLearned,
+          ReasonText(previous_, current_, prediction_, statistics, options_),
+          prediction_.Of(current_).iteration_probability,
+          RankAfter(current_, RankStrategies(prediction_, options_))};
+}
+
 StrategyDecision SelectStrategy(std::span<const SegmentSessionRow> rows,
                                 const SelectorOptions& options) {
-  StatisticsFold fold(options.statistics);
-  Strategy current = Strategy::kMixed;
+  SelectorFold fold(options);
+  for (const SegmentSessionRow& row : rows) fold.Add(row);
+  return fold.Decision();
+}
+
+std::vector<StrategySwitch> ListSwitches(std::span<const SegmentSessionRow> rows,
+                                         const SelectorOptions& options) {
+  std::vector<StrategySwitch> switches;
+  SelectorFold fold(options);
   for (const SegmentSessionRow& row : rows) {
+    const Strategy before = fold.current();
     fold.Add(row);
-    const SegmentStatistics statistics = fold.Value();
-    if (statistics.localized < options.min_localized_queries) continue;
-    current = Choose(current, PredictStrategies(statistics, options), options);
+    if (fold.current() == before) continue;
+    switches.push_back({row.session, row.session_start_unix_ns, before, fold.Decision()});
   }
-  const SegmentStatistics statistics = fold.Value();
-  if (statistics.localized < options.min_localized_queries) {
-    return WithoutEvidence(statistics, options);
-  }
-  const StrategyPrediction prediction = PredictStrategies(statistics, options);
-  return {current, StrategySource::kLearned, Describe(current, prediction, statistics),
-          prediction.ProbabilityOf(current), RankAfter(current, RankByTime(prediction, options))};
+  return switches;
 }
 
 }  // namespace maploc

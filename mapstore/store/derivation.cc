@@ -60,7 +60,7 @@ SegmentDerivation DeriveSegment(std::span<const SegmentSessionRow> rows,
   const StrategyPrediction prediction = PredictStrategies(derived.statistics, options);
   derived.decision = {*pinned, StrategySource::kPinned,
                       "pinned by an operator; otherwise " + derived.decision.reason,
-                      derived.statistics.localized > 0 ? prediction.ProbabilityOf(*pinned) : 0.0,
+                      derived.statistics.localized > 0 ? prediction.Of(*pinned).iteration_probability : 0.0,
                       RankAfter(*pinned, derived.decision.ranking)};
   return derived;
 }

@@ -78,9 +78,9 @@ SelectorOptions OptionsAt(const SqliteStatement& row, int column) {
   options.statistics.independent_queries_per_session = row.Real(column + 10);
   options.criterion = static_cast<StrategyCriterion>(row.Int(column + 11));
   options.max_iterations = row.Int(column + 12);
-  options.two_points = {row.Real(column + 13), row.Real(column + 14)};
-  options.point_and_line = {row.Real(column + 15), row.Real(column + 16)};
-  options.point_and_verticals = {row.Real(column + 17), row.Real(column + 18)};
+  options.yields.two_points = {row.Real(column + 13), row.Real(column + 14)};
+  options.yields.point_and_line = {row.Real(column + 15), row.Real(column + 16)};
+  options.yields.point_and_verticals = {row.Real(column + 17), row.Real(column + 18)};
   return options;
 }
 
@@ -196,15 +196,15 @@ Result<SegmentState> ReadSegmentState(SqliteDatabase& database, std::int64_t map
 Result<std::int64_t> OptionsRow(SqliteDatabase& database, const SelectorOptions& options) {
   const auto bind = [&options](SqliteStatement& statement) -> SqliteStatement& {
     const StatisticsOptions& statistics = options.statistics;
-    return statement.Bind(statistics.half_life_sessions, statistics.change_discount,
-                          statistics.independent_matches_per_query, options.min_localized_queries,
-                          options.prior_matches, options.prior_inlier_ratio, options.hysteresis,
-                          options.cost_1p1l, options.cost_2p, options.cost_mixed,
-                          statistics.independent_queries_per_session,
-                          static_cast<std::int64_t>(options.criterion), options.max_iterations,
-                          options.two_points.good, options.two_points.bad,
-                          options.point_and_line.good, options.point_and_line.bad,
-                          options.point_and_verticals.good, options.point_and_verticals.bad);
+    return statement.Bind(
+        statistics.half_life_sessions, statistics.change_discount,
+        statistics.independent_matches_per_query, options.min_localized_queries,
+        options.prior_matches, options.prior_inlier_ratio, options.hysteresis, options.cost_1p1l,
+        options.cost_2p, options.cost_mixed, statistics.independent_queries_per_session,
+        static_cast<std::int64_t>(options.criterion), options.max_iterations,
+        options.yields.two_points.good, options.yields.two_points.bad,
+        options.yields.point_and_line.good, options.yields.point_and_line.bad,
+        options.yields.point_and_verticals.good, options.yields.point_and_verticals.bad);
   };
   constexpr std::string_view kParameters =
       "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19)";

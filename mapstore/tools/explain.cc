@@ -1,84 +1,151 @@
-#include <array>
+#include "mapstore/statistics/explain.h"
+
 #include <cmath>
 #include <iostream>
 
+#include "mapstore/statistics/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/output.h"
 
 namespace maploc {
 namespace {
 
-constexpr std::array kSelectable = {Strategy::k1P1L, Strategy::k2P, Strategy::kMixed};
+using Json = nlohmann::ordered_json;
 
 struct ExplainFlags {
   std::string map;
   SegmentId segment = 0;
 };
 
-nlohmann::ordered_json JsonTime(double time) {
-  return std::isfinite(time) ? nlohmann::ordered_json(time) : nlohmann::ordered_json(nullptr);
+// JSON has no infinity: null is "never".
+Json JsonTime(double time) { return std::isfinite(time) ? Json(time) : Json(nullptr); }
+
+Json ToJson(const ExplainedRate& rate) {
+  return {{"mean", rate.posterior.Mean()},
+          {"credible_95", {rate.credible_95.low, rate.credible_95.high}},
+          {"good", rate.good},
+          {"total", rate.total},
+          {"independent", rate.independent},
+          {"posterior_a", rate.posterior.a},
+          {"posterior_b", rate.posterior.b}};
 }
 
-nlohmann::ordered_json ToJson(const MapKey& key, const SegmentSummary& segment,
-                              const std::vector<DecisionRecord>& history) {
-  const StrategyPrediction prediction = PredictStrategies(segment.statistics, segment.selector);
-  nlohmann::ordered_json draws;
-  for (const Strategy strategy : kSelectable) {
-    draws[std::string(StrategyName(strategy))] = {
-        {"success_probability", prediction.ProbabilityOf(strategy)},
-        {"expected_time_to_success",
-         JsonTime(prediction.ExpectedTimeOf(strategy, segment.selector))}};
+Json ToJson(const StrategyOutlook& outlook, double cost) {
+  return {{"success_probability", outlook.iteration_probability},
+          {"expected_time_to_success", JsonTime(outlook.expected_time)},
+          {"draw_probability", outlook.draw_probability},
+          {"query_probability", outlook.query_probability},
+          {"expected_iterations", outlook.expected_iterations},
+          {"cost_of_iteration", cost}};
+}
+
+Json DrawsToJson(const Explanation& e) {
+  const StrategyValues costs = {e.options.cost_1p1l, e.options.cost_2p, e.options.cost_mixed};
+  Json draws;
+  for (const Strategy strategy : {Strategy::k1P1L, Strategy::k2P, Strategy::kMixed}) {
+    draws[std::string(StrategyName(strategy))] =
+        ToJson(e.prediction.Of(strategy), costs.Of(strategy));
   }
-  auto decisions = nlohmann::ordered_json::array();
+  return draws;
+}
+
+Json SwitchesToJson(const Explanation& e) {
+  Json switches = Json::array();
+  for (const StrategySwitch& change : e.switches) {
+    switches.push_back({{"session", change.session},
+                        {"session_start", UtcText(change.session_start_unix_ns)},
+                        {"before", StrategyName(change.before)},
+                        {"after", StrategyName(change.after.strategy)},
+                        {"reason", change.after.reason}});
+  }
+  return switches;
+}
+
+Json ChangesToJson(const Explanation& e) {
+  Json changes = Json::array();
+  for (const ChangePoint& change : e.changes) {
+    changes.push_back({{"kind", ChangeKindName(change.kind)},
+                       {"since_session", change.since},
+                       {"since", UtcText(change.since_unix_ns)},
+                       {"sessions", change.sessions},
+                       {"before", change.before},
+                       {"after", change.after},
+                       {"deviation", change.deviation}});
+  }
+  return changes;
+}
+
+Json HistoryToJson(const std::vector<DecisionRecord>& history) {
+  Json decisions = Json::array();
   for (const DecisionRecord& record : history) {
     decisions.push_back({{"time_unix_ns", record.time_unix_ns},
+                         {"time", UtcText(record.time_unix_ns)},
                          {"cause", record.cause},
                          {"strategy", StrategyName(record.decision.strategy)},
                          {"strategy_source", StrategySourceName(record.decision.source)},
+                         {"predicted_success", record.decision.predicted_success},
+                         {"localized", record.statistics.localized},
                          {"reason", record.decision.reason}});
   }
-  return {{"map", key.name},
-          {"version", key.version},
-          {"segment", segment.id},
-          {"strategy", StrategyName(segment.decision.strategy)},
-          {"strategy_source", StrategySourceName(segment.decision.source)},
-          {"reason", segment.decision.reason},
-          {"lambda", prediction.point_inlier_ratio},
-          {"gamma", prediction.usable_line_inlier_ratio},
-          {"p", prediction.point_matches},
-          {"l", prediction.usable_line_matches},
-          {"draws", std::move(draws)},
-          {"decisions", std::move(decisions)}};
+  return decisions;
 }
 
-void PrintText(const SegmentSummary& segment, const std::vector<DecisionRecord>& history) {
-  const SelectorOptions& options = segment.selector;
-  const StrategyPrediction prediction = PredictStrategies(segment.statistics, options);
-  std::cout << "Segment " << segment.id << " uses " << StrategyName(segment.decision.strategy)
-            << " (" << StrategySourceName(segment.decision.source)
-            << "): " << segment.decision.reason << "\n\nlambda "
-            << FormatNumber(prediction.point_inlier_ratio, 3) << ", gamma "
-            << FormatNumber(prediction.usable_line_inlier_ratio, 3) << " (posterior means); p "
-            << FormatNumber(prediction.point_matches, 1) << ", l "
-            << FormatNumber(prediction.usable_line_matches, 1) << " matches a query\n\n";
-  Table draws({"strategy", "a draw succeeds", "expected time to success"});
-  for (const Strategy strategy : kSelectable) {
-    const double time = prediction.ExpectedTimeOf(strategy, options);
-    draws.AddRow({std::string(StrategyName(strategy)),
-                  FormatNumber(prediction.ProbabilityOf(strategy), 4),
-                  std::isfinite(time) ? FormatNumber(time, 2) : "never"});
-  }
-  draws.Print(std::cout);
-  std::cout << "\nIt leaves mixed after " << options.min_localized_queries
-            << " localized queries and changes for a gain of "
-            << FormatNumber(100.0 * options.hysteresis, 0) << "%.\n\n";
-  Table decisions({"cause", "strategy", "source", "localized", "reason"});
+Json RankingToJson(const std::array<Strategy, 3>& ranking) {
+  Json names = Json::array();
+  for (const Strategy strategy : ranking) names.push_back(StrategyName(strategy));
+  return names;
+}
+
+Json ToJson(const MapKey& key, SegmentId segment, const Explanation& e,
+            const std::vector<DecisionRecord>& history) {
+  const SelectorOptions& options = e.options;
+  return {
+      {"map", key.name},
+      {"version", key.version},
+      {"segment", segment},
+      {"strategy", StrategyName(e.decision.strategy)},
+      {"strategy_source", StrategySourceName(e.decision.source)},
+      {"ranking", RankingToJson(e.decision.ranking)},
+      {"predicted_success", e.decision.predicted_success},
+      {"reason", e.decision.reason},
+      {"sessions", e.statistics.sessions},
+      {"queries", e.statistics.queries},
+      {"localized", e.statistics.localized},
+      {"lambda", e.points.posterior.Mean()},
+      {"gamma", e.usable_lines.posterior.Mean()},
+      {"gamma_v", e.vertical_lines.posterior.Mean()},
+      {"p", e.prediction.matches.points},
+      {"l", e.prediction.matches.usable_lines},
+      {"lv", e.prediction.matches.vertical_lines},
+      {"vertical_lines_drawn", DrawsVerticalLines(e.prediction.matches)},
+      {"rates",
+       {{"points", ToJson(e.points)},
+        {"usable_lines", ToJson(e.usable_lines)},
+        {"vertical_lines", ToJson(e.vertical_lines)},
+        {"success", ToJson(e.success)}}},
+      {"draws", DrawsToJson(e)},
+      {"choice",
+       {{"criterion", options.criterion == StrategyCriterion::kPaper ? "paper" : "expected_time"},
+        {"has_evidence", e.has_evidence},
+        {"localized_by_weight", e.statistics.weighted_localized},
+        {"localized_needed", options.min_localized_queries},
+        {"best", StrategyName(e.best)},
+        {"gain_of_best", e.gain_of_best},
+        {"hysteresis", options.hysteresis}}},
+      {"changes", ChangesToJson(e)},
+      {"switches", SwitchesToJson(e)},
+      {"decisions", HistoryToJson(history)}};
+}
+
+void PrintHistory(const std::vector<DecisionRecord>& history) {
+  Table table({"time (UTC)", "cause", "strategy", "source", "localized", "reason"});
   for (const DecisionRecord& record : history) {
-    decisions.AddRow({record.cause, std::string(StrategyName(record.decision.strategy)),
-                      std::string(StrategySourceName(record.decision.source)),
-                      std::to_string(record.statistics.localized), record.decision.reason});
+    table.AddRow({UtcText(record.time_unix_ns), record.cause,
+                  std::string(StrategyName(record.decision.strategy)),
+                  std::string(StrategySourceName(record.decision.source)),
+                  std::to_string(record.statistics.localized), record.decision.reason});
   }
-  decisions.Print(std::cout);
+  table.Print(std::cout);
 }
 
 Status Explain(const CommandContext& context, const ExplainFlags& flags) {
@@ -86,9 +153,17 @@ Status Explain(const CommandContext& context, const ExplainFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, store->GetMap(flags.map));
   const MapKey& key = map.info.key;
   MAPLOC_ASSIGN_OR_RETURN(const SegmentSummary segment, store->GetSegment(key, flags.segment));
+  MAPLOC_ASSIGN_OR_RETURN(const auto rows, store->ListRows(key, flags.segment));
   MAPLOC_ASSIGN_OR_RETURN(const auto history, store->ListDecisions(key, flags.segment));
-  if (context.json) return PrintJson(ToJson(key, segment, history)), Status::Ok();
-  PrintText(segment, history);
+  const Explanation explanation = ExplainStrategy(rows, segment.decision, segment.selector);
+  if (context.json) {
+    PrintJson(ToJson(key, flags.segment, explanation, history));
+    return Status::Ok();
+  }
+  std::cout << "Map " << key.name << " version " << key.version << ", segment " << flags.segment
+            << "\n"
+            << ExplanationText(explanation) << "\n";
+  PrintHistory(history);
   return Status::Ok();
 }
 

@@ -23,55 +23,6 @@ SegmentSessionRow Row(int start, int localized, int points, double lambda, int l
   return row;
 }
 
-// 10 points of which 5 are right, 5 lines of which 2 are right.
-TEST(ComputeDrawProbabilities, AreThoseOfThePaper) {
-  const DrawProbabilities draw = ComputeDrawProbabilities(10, 5, 0.5, 0.4);
-  EXPECT_DOUBLE_EQ(draw.p1p1l, 0.5 * 0.4);
-  EXPECT_DOUBLE_EQ(draw.p2p, 0.5 * 4.0 / 9.0);
-  EXPECT_DOUBLE_EQ(draw.mixed, 0.5 * 6.0 / 14.0);
-}
-
-TEST(ComputeDrawProbabilities, AreZeroForWhatCannotBeDrawn) {
-  const DrawProbabilities no_line = ComputeDrawProbabilities(10, 0, 0.5, 0.9);
-  EXPECT_EQ(no_line.p1p1l, 0.0);
-  EXPECT_DOUBLE_EQ(no_line.mixed, no_line.p2p);
-  const DrawProbabilities one_point = ComputeDrawProbabilities(1, 4, 1.0, 0.5);
-  EXPECT_EQ(one_point.p2p, 0.0);
-  EXPECT_DOUBLE_EQ(one_point.p1p1l, 0.5);
-  EXPECT_DOUBLE_EQ(one_point.mixed, 0.5);
-  const DrawProbabilities no_point = ComputeDrawProbabilities(0, 9, 0.5, 0.9);
-  EXPECT_EQ(no_point.p1p1l + no_point.p2p + no_point.mixed, 0.0);
-  const DrawProbabilities lonely = ComputeDrawProbabilities(1, 0, 1.0, 1.0);
-  EXPECT_EQ(lonely.p1p1l + lonely.p2p + lonely.mixed, 0.0);
-}
-
-// Less than two right points: a pair of right ones cannot be drawn, and no probability is negative.
-TEST(ComputeDrawProbabilities, AreNeverNegative) {
-  const DrawProbabilities draw = ComputeDrawProbabilities(10, 3, 0.05, 0.0);
-  EXPECT_EQ(draw.p2p, 0.0);
-  EXPECT_EQ(draw.mixed, 0.0);
-  EXPECT_EQ(draw.p1p1l, 0.0);
-}
-
-TEST(ComputeDrawProbabilities, AreOneWhereEverythingIsRight) {
-  const DrawProbabilities draw = ComputeDrawProbabilities(7, 3, 1.0, 1.0);
-  EXPECT_DOUBLE_EQ(draw.p1p1l, 1.0);
-  EXPECT_DOUBLE_EQ(draw.p2p, 1.0);
-  EXPECT_DOUBLE_EQ(draw.mixed, 1.0);
-}
-
-TEST(PredictStrategies, AddsAWeakPrior) {
-  const SegmentStatistics nothing;
-  EXPECT_DOUBLE_EQ(PredictStrategies(nothing).point_inlier_ratio, 0.3);
-  SegmentStatistics some;
-  some.point_matches = 90.0;
-  some.point_inliers = 87.0;
-  some.usable_line_matches = 10.0;
-  some.usable_line_inliers = 1.0;
-  EXPECT_DOUBLE_EQ(PredictStrategies(some).point_inlier_ratio, 0.9);        // (87 + 3) / 100
-  EXPECT_DOUBLE_EQ(PredictStrategies(some).usable_line_inlier_ratio, 0.2);  // (1 + 3) / 20
-}
-
 TEST(SelectStrategy, IsMixedBeforeThereIsEvidence) {
   const StrategyDecision none = SelectStrategy({});
   EXPECT_EQ(none.strategy, Strategy::kMixed);
@@ -80,17 +31,21 @@ TEST(SelectStrategy, IsMixedBeforeThereIsEvidence) {
   const StrategyDecision nine = SelectStrategy(std::vector{Row(1, 9, 100, 0.2, 20, 0.9)});
   EXPECT_EQ(nine.strategy, Strategy::kMixed);
   EXPECT_EQ(nine.source, StrategySource::kDefault);
-  EXPECT_THAT(nine.reason, ::testing::HasSubstr("9 of 10"));
+  EXPECT_THAT(nine.reason, ::testing::HasSubstr("9.0 of 10"));
   const StrategyDecision ten = SelectStrategy(std::vector{Row(1, 10, 100, 0.2, 20, 0.9)});
   EXPECT_EQ(ten.strategy, Strategy::k1P1L);
   EXPECT_EQ(ten.source, StrategySource::kLearned);
 }
 
 TEST(SelectStrategy, TakesLinesWhereTheyHoldAndPointsWhereTheyDo) {
-  const StrategyDecision walls = SelectStrategy(std::vector{Row(1, 50, 100, 0.2, 30, 0.7)});
+  SelectorOptions options;
+  options.yields = NoGates();
+  const StrategyDecision walls =
+      SelectStrategy(std::vector{Row(1, 50, 100, 0.2, 30, 0.7)}, options);
   EXPECT_EQ(walls.strategy, Strategy::k1P1L);
   EXPECT_NEAR(walls.predicted_success, 0.2 * 0.7, 0.01);
-  const StrategyDecision trees = SelectStrategy(std::vector{Row(1, 50, 100, 0.5, 30, 0.1)});
+  const StrategyDecision trees =
+      SelectStrategy(std::vector{Row(1, 50, 100, 0.5, 30, 0.1)}, options);
   EXPECT_EQ(trees.strategy, Strategy::k2P);
   EXPECT_NEAR(trees.predicted_success, 0.5 * 0.5, 0.02);
 }

@@ -195,9 +195,9 @@ TEST_F(SqliteStoreTest, OtherOptionsDoNotMakeOldStatisticsWrong) {
   options.selector.cost_1p1l = 7.0;
   options.selector.criterion = StrategyCriterion::kPaper;
   options.selector.max_iterations = 100;
-  options.selector.two_points = {0.5, 0.25};
-  options.selector.point_and_line = {0.6, 0.35};
-  options.selector.point_and_verticals = {0.7, 0.45};
+  options.selector.yields.two_points = {0.5, 0.25};
+  options.selector.yields.point_and_line = {0.6, 0.35};
+  options.selector.yields.point_and_verticals = {0.7, 0.45};
   {
     const auto store = OpenSqliteStore(path_, options).value();
     const MapKey key = GiveMap(*store);
