@@ -46,7 +46,8 @@ void WriteChoice(std::ostream& out, const Explanation& e) {
       << ": " << Name(e.best);
   if (!e.has_evidence) {
     out << "; not followed before " << e.options.min_localized_queries
-        << " localized queries by weight (" << FixedText(e.statistics.weighted_localized, 1) << ")";
+        << " localized queries by weight, and one query in ten ("
+        << FixedText(e.statistics.weighted_localized, 1) << ")";
   } else if (e.gain_of_best > 0.0) {
     out << ", " << FixedText(100.0 * e.gain_of_best, 1)
         << "% faster than the one kept; a change takes "

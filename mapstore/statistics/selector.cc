@@ -9,6 +9,10 @@
 namespace maploc {
 namespace {
 
+// Where fewer than one query in ten is localized, the ratios of those say too little about the rest
+// (and about a season that began with the failures).
+constexpr double kMinLocalizedShare = 0.1;
+
 // "1p1l 66.1, mixed 190.2, 2p never"
 std::string TimesOf(const std::array<Strategy, 3>& ranking, const StrategyPrediction& prediction) {
   std::string text;
@@ -59,7 +63,9 @@ StrategyDecision WithoutEvidence(const SegmentStatistics& statistics,
                                  const SelectorOptions& options) {
   return {Strategy::kMixed, StrategySource::kDefault,
           "mixed until there is evidence: " + FixedText(statistics.weighted_localized, 1) + " of " +
-              std::to_string(options.min_localized_queries) + " localized queries, weighted by age",
+              std::to_string(options.min_localized_queries) +
+              " localized queries, weighted by age, and one in ten of " +
+              FixedText(statistics.weighted_queries, 1) + " queries",
           0.0, kSelectableStrategies};
 }
 
@@ -75,9 +81,10 @@ SelectorFold::SelectorFold(const SelectorOptions& options)
     : options_(options), statistics_(options.statistics) {}
 
 bool SelectorFold::HasEvidence() const {
-  const SegmentStatistics statistics = statistics_.Value();
-  return statistics.localized > 0 &&
-         statistics.weighted_localized >= static_cast<double>(options_.min_localized_queries);
+  const SegmentStatistics s = statistics_.Value();
+  return s.localized > 0 &&
+         s.weighted_localized >= static_cast<double>(options_.min_localized_queries) &&
+         s.weighted_localized >= kMinLocalizedShare * s.weighted_queries;
 }
 
 void SelectorFold::Add(const SegmentSessionRow& row) {

@@ -83,8 +83,8 @@ double Rate(const Population& population) {
 
 // Small counts, one and none of each kind, all wrong and all right among them.
 std::vector<World> Grid() {
-  const Population points[] = {{0, 0}, {1, 0}, {1, 1},   {2, 1},   {2, 2},
-                               {3, 2}, {7, 1}, {20, 12}, {60, 3},  {200, 50}};
+  const Population points[] = {{0, 0}, {1, 0}, {1, 1},   {2, 1},  {2, 2},
+                               {3, 2}, {7, 1}, {20, 12}, {60, 3}, {200, 50}};
   const Population usable[] = {{0, 0}, {1, 1}, {2, 1}, {5, 0}, {12, 4}, {40, 36}};
   const Population vertical[] = {{0, 0}, {1, 1}, {2, 1}, {2, 2}, {3, 2}, {9, 3}, {50, 25}};
   std::vector<World> worlds;

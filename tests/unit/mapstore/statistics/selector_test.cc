@@ -107,5 +107,86 @@ TEST(SelectStrategy, IsMixedWhereNothingCanSucceed) {
             Strategy::kMixed);
 }
 
+// Nobody is found any more: what the old sessions said about the rates no longer counts.
+TEST(SelectStrategy, ForgetsARecordThatNoLongerHolds) {
+  std::vector<SegmentSessionRow> rows;
+  for (int i = 0; i < 20; ++i) rows.push_back(Row(i, 40, 120, 0.6, 120, 0.3));
+  ASSERT_EQ(SelectStrategy(rows).strategy, Strategy::k2P);
+  for (int i = 20; i < 23; ++i) {
+    SegmentSessionRow failed;
+    failed.session = "s" + std::to_string(i);
+    failed.session_start_unix_ns = i;
+    failed.queries = 40;
+    rows.push_back(failed);
+  }
+  const StrategyDecision decision = SelectStrategy(rows);
+  EXPECT_EQ(decision.strategy, Strategy::kMixed);
+  EXPECT_EQ(decision.source, StrategySource::kDefault);
+}
+
+TEST(SelectStrategy, RanksTheOthersBestFirstBehindTheOneInForce) {
+  const auto walls = SelectStrategy(std::vector{Row(1, 50, 100, 0.2, 30, 0.7)}).ranking;
+  EXPECT_THAT(walls, ::testing::ElementsAre(Strategy::k1P1L, Strategy::kMixed, Strategy::k2P));
+  const auto trees = SelectStrategy(std::vector{Row(1, 50, 100, 0.5, 60, 0.1)}).ranking;
+  EXPECT_THAT(trees, ::testing::ElementsAre(Strategy::k2P, Strategy::kMixed, Strategy::k1P1L));
+  const auto none = SelectStrategy({}).ranking;
+  EXPECT_EQ(none.front(), Strategy::kMixed);
+}
+
+// gamma >= lambda: 1P1L, else 2P, whatever the costs and probabilities.
+TEST(SelectStrategy, FollowsThePapersRuleByConfiguration) {
+  SelectorOptions paper;
+  paper.criterion = StrategyCriterion::kPaper;
+  paper.cost_1p1l = 100.0;
+  const auto select = [&](double lambda, double gamma, int lines) {
+    return SelectStrategy(std::vector{Row(1, 50, 100, lambda, lines, gamma)}, paper).strategy;
+  };
+  EXPECT_EQ(select(0.3, 0.4, 30), Strategy::k1P1L);
+  EXPECT_EQ(select(0.4, 0.3, 30), Strategy::k2P);
+  EXPECT_EQ(select(0.4, 0.9, 0), Strategy::k2P);  // no lines, no 1P1L
+}
+
+TEST(SelectStrategy, ThePapersRuleHasHysteresisToo) {
+  SelectorOptions paper;
+  paper.criterion = StrategyCriterion::kPaper;
+  paper.statistics.half_life_sessions = 1e-3;  // the last session alone
+  const auto after = [&](double first_gamma, double gamma) {
+    return SelectStrategy(
+               std::vector{Row(1, 50, 100, 0.4, 40, first_gamma), Row(2, 50, 100, 0.4, 40, gamma)},
+               paper)
+        .strategy;
+  };
+  EXPECT_EQ(after(0.7, 0.37), Strategy::k1P1L);
+  EXPECT_EQ(after(0.1, 0.43), Strategy::k2P);
+  EXPECT_EQ(after(0.7, 0.2), Strategy::k2P);
+  EXPECT_EQ(after(0.1, 0.7), Strategy::k1P1L);
+}
+
+// Vertical lines, drawn in pairs, serve 1P1L where a segment has hardly any other.
+TEST(SelectStrategy, CountsOnVerticalLinesWhereTheyAreDrawn) {
+  SegmentSessionRow row = Row(1, 50, 100, 0.1, 2, 0.5);
+  row.vertical_line_matches = 50 * 60;
+  row.vertical_line_inliers = 50 * 36;
+  row.median_vertical_line_matches = 60;
+  EXPECT_EQ(SelectStrategy(std::vector{row}).strategy, Strategy::k1P1L);
+  row.vertical_line_inliers = 50 * 3;
+  EXPECT_EQ(SelectStrategy(std::vector{row}).strategy, Strategy::k2P);
+}
+
+TEST(ListSwitches, TellsEachChangeWithItsReason) {
+  std::vector<SegmentSessionRow> rows;
+  for (int i = 0; i < 10; ++i) rows.push_back(Row(i, 40, 120, 0.6, 120, 0.3));
+  for (int i = 10; i < 13; ++i) rows.push_back(Row(i, 40, 120, 0.05, 120, 0.3));
+  const auto switches = ListSwitches(rows);
+  ASSERT_EQ(switches.size(), 2u);
+  EXPECT_EQ(switches[0].session, "s0");
+  EXPECT_EQ(switches[0].before, Strategy::kMixed);
+  EXPECT_EQ(switches[0].after.strategy, Strategy::k2P);
+  EXPECT_EQ(switches[1].before, Strategy::k2P);
+  EXPECT_EQ(switches[1].after.strategy, Strategy::k1P1L);
+  EXPECT_GE(switches[1].session_start_unix_ns, 10);
+  EXPECT_THAT(switches[1].after.reason, ::testing::HasSubstr("1p1l instead of 2p"));
+}
+
 }  // namespace
 }  // namespace maploc
