@@ -90,8 +90,12 @@ std::string ExplanationText(const Explanation& e) {
   WriteRate(out, "gamma_v", e.vertical_lines, "vertical line matches");
   const MatchCounts& matches = e.prediction.matches;
   out << "  p = " << FixedText(matches.points, 1) << ", l = " << FixedText(matches.usable_lines, 1)
-      << ", lv = " << FixedText(matches.vertical_lines, 1) << " matches a query (vertical lines "
-      << (DrawsVerticalLines(matches) ? "are" : "are not") << " drawn)\n\n";
+      << ", lv = " << FixedText(matches.vertical_lines, 1)
+      << " matches a query; vertical lines are drawn by "
+      << (DrawsVerticalLines(Strategy::k1P1L, matches)    ? "1p1l and mixed"
+          : DrawsVerticalLines(Strategy::kMixed, matches) ? "mixed alone"
+                                                          : "none")
+      << "\n\n";
   for (const Strategy strategy : e.decision.ranking) {
     WriteStrategy(out, strategy, e.prediction.Of(strategy), e.options);
   }

@@ -33,8 +33,8 @@ void Integrate(const SelectorOptions& options, StrategyPrediction& prediction) {
   const BetaQuadrature points = QuadratureOf(prediction.rates.points);
   const BetaQuadrature usable = QuadratureOf(prediction.rates.usable_lines);
   BetaQuadrature vertical;
-  int vertical_nodes = 1;  // where vertical lines take no part, their rate does not matter
-  if (DrawsVerticalLines(prediction.matches)) {
+  int vertical_nodes = 1;  // where mixed does not draw them, 1P1L does not either
+  if (DrawsVerticalLines(Strategy::kMixed, prediction.matches)) {
     vertical = QuadratureOf(prediction.rates.vertical_lines);
     vertical_nodes = kBetaNodes;
   } else {

@@ -32,9 +32,8 @@ struct StrategyValues {
   }
 };
 
-// Whether the vertical lines take part in the draw of 1P1L and mixed: two or more, and more than
-// usable ones.
-bool DrawsVerticalLines(const MatchCounts& counts);
+// The model's rule (strategy.h) for counts that are means over queries, rounded.
+bool DrawsVerticalLines(Strategy strategy, const MatchCounts& counts);
 
 // Probability that one draw is all inliers, in [0, 1]; 0 where it cannot be drawn:
 //   1P1L   lambda (gamma l + v) / (l + nv)                   p >= 1, l + nv >= 1

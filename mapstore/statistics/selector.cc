@@ -31,7 +31,7 @@ std::string MatchesText(const StrategyPrediction& prediction) {
                      FixedText(means.points, 3) + ", usable lines " +
                      FixedText(prediction.matches.usable_lines, 1) + " at " +
                      FixedText(means.usable_lines, 3);
-  if (DrawsVerticalLines(prediction.matches)) {
+  if (DrawsVerticalLines(Strategy::kMixed, prediction.matches)) {
     text += ", vertical lines " + FixedText(prediction.matches.vertical_lines, 1) + " at " +
             FixedText(means.vertical_lines, 3);
   }

@@ -27,8 +27,14 @@ struct World {
   Population usable;
   Population vertical;
 
-  bool DrawsVertical() const { return vertical.all >= 2 && vertical.all > usable.all; }
-  std::uint32_t LineEntities() const { return usable.all + (DrawsVertical() ? vertical.all : 0); }
+  // 1P1L's rule stops at ten usable lines.
+  bool DrawsVertical(Strategy strategy) const {
+    return vertical.all >= 2 && vertical.all > usable.all &&
+           (strategy == Strategy::kMixed || usable.all < 10);
+  }
+  std::uint32_t LineEntities(Strategy strategy) const {
+    return usable.all + (DrawsVertical(strategy) ? vertical.all : 0);
+  }
 };
 
 enum class Drawn { kRefused, kWrong, kRight };
@@ -53,8 +59,8 @@ Drawn DrawLine(const World& world, std::uint32_t first, std::uint32_t entity, Ra
 bool CanDraw(const World& world, Strategy strategy) {
   if (world.points.all < 1) return false;
   if (strategy == Strategy::k2P) return world.points.all >= 2;
-  if (strategy == Strategy::k1P1L) return world.LineEntities() >= 1;
-  return world.points.all + world.LineEntities() >= 2;
+  if (strategy == Strategy::k1P1L) return world.LineEntities(strategy) >= 1;
+  return world.points.all + world.LineEntities(strategy) >= 2;
 }
 
 Drawn DrawOnce(const World& world, Strategy strategy, Random& random) {
@@ -62,9 +68,9 @@ Drawn DrawOnce(const World& world, Strategy strategy, Random& random) {
   const std::uint32_t others = world.points.all - 1;
   if (strategy == Strategy::k2P) return DrawSecondPoint(world, first, random.Below(others));
   if (strategy == Strategy::k1P1L) {
-    return DrawLine(world, first, random.Below(world.LineEntities()), random);
+    return DrawLine(world, first, random.Below(world.LineEntities(strategy)), random);
   }
-  const std::uint32_t second = random.Below(others + world.LineEntities());
+  const std::uint32_t second = random.Below(others + world.LineEntities(strategy));
   if (second < others) return DrawSecondPoint(world, first, second);
   return DrawLine(world, first, second - others, random);
 }

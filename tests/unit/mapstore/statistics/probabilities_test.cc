@@ -52,7 +52,7 @@ TEST(DrawProbabilities, AreOneWhereEverythingIsRight) {
 // a vertical line three in four are of two different ones.
 TEST(DrawProbabilities, TakeVerticalLinesInPairsWhereTheyOutnumberTheUsable) {
   const MatchCounts counts = {5, 2, 4};
-  EXPECT_TRUE(DrawsVerticalLines(counts));
+  EXPECT_TRUE(DrawsVerticalLines(Strategy::k1P1L, counts));
   const StrategyValues draw = DrawProbabilities(counts, {0.4, 0.5, 0.75});
   EXPECT_DOUBLE_EQ(draw.p1p1l, 0.4 * (1.0 + 3.0 * 0.5) / (2.0 + 3.0));
   EXPECT_DOUBLE_EQ(draw.mixed, 0.4 * (1.0 + 1.0 + 1.5) / (4.0 + 2.0 + 3.0));
@@ -61,13 +61,20 @@ TEST(DrawProbabilities, TakeVerticalLinesInPairsWhereTheyOutnumberTheUsable) {
 
 TEST(DrawProbabilities, LeaveVerticalLinesAloneWhereTheyDoNotOutnumber) {
   for (const MatchCounts& counts : {MatchCounts{5, 4, 4}, MatchCounts{5, 0, 1}}) {
-    EXPECT_FALSE(DrawsVerticalLines(counts));
+    EXPECT_FALSE(DrawsVerticalLines(Strategy::kMixed, counts));
     const StrategyValues with = DrawProbabilities(counts, {0.4, 0.5, 0.75});
     const StrategyValues without =
         DrawProbabilities({counts.points, counts.usable_lines, 0}, {0.4, 0.5, 0.0});
     EXPECT_EQ(with.p1p1l, without.p1p1l);
     EXPECT_EQ(with.mixed, without.mixed);
   }
+}
+
+// 1P1L leaves them alone where there are enough usable ones; mixed does not.
+TEST(DrawProbabilities, TakeVerticalLinesByStrategy) {
+  const StrategyValues draw = DrawProbabilities({5, 12, 20}, {0.4, 0.5, 0.75});
+  EXPECT_DOUBLE_EQ(draw.p1p1l, 0.4 * 0.5);
+  EXPECT_DOUBLE_EQ(draw.mixed, 0.4 * (1.0 + 6.0 + 19.0 * 0.75 * 14.0 / 19.0) / (4.0 + 12.0 + 19.0));
 }
 
 // A quarter of the draws is all inliers and half of these lead to the pose; of the others a third
