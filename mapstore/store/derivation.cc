@@ -58,10 +58,11 @@ SegmentDerivation DeriveSegment(std::span<const SegmentSessionRow> rows,
   SegmentDerivation derived{Aggregate(rows, options.statistics), SelectStrategy(rows, options)};
   if (!pinned) return derived;
   const StrategyPrediction prediction = PredictStrategies(derived.statistics, options);
-  derived.decision = {*pinned, StrategySource::kPinned,
-                      "pinned by an operator; otherwise " + derived.decision.reason,
-                      derived.statistics.localized > 0 ? prediction.Of(*pinned).iteration_probability : 0.0,
-                      RankAfter(*pinned, derived.decision.ranking)};
+  derived.decision = {
+      *pinned, StrategySource::kPinned,
+      "pinned by an operator; otherwise " + derived.decision.reason,
+      derived.statistics.localized > 0 ? prediction.Of(*pinned).iteration_probability : 0.0,
+      RankAfter(*pinned, derived.decision.ranking)};
   return derived;
 }
 

@@ -149,6 +149,38 @@ TEST_F(MaplocMap, AStrategyCanBePinnedAndGivenBack) {
             why.at("draws").at("2p").at("success_probability"));
 }
 
+// 20 localized queries of 100 points (20 right) and 20 usable lines (16 right): worth 200 matches
+// of each, and a prior of 10 at 0.3.
+TEST_F(MaplocMap, ExplainLaysTheArithmeticOpen) {
+  const json why = Json("explain --store $STORE --map yard --segment 1");
+  EXPECT_EQ(why.at("strategy"), "1p1l");
+  EXPECT_EQ(why.at("ranking"), json({"1p1l", "mixed", "2p"}));
+  const json& points = why.at("rates").at("points");
+  EXPECT_DOUBLE_EQ(points.at("independent"), 200.0);
+  EXPECT_DOUBLE_EQ(why.at("lambda"), (200 * 0.2 + 3) / 210);
+  EXPECT_DOUBLE_EQ(why.at("gamma"), (200 * 0.8 + 3) / 210);
+  EXPECT_LT(points.at("credible_95").at(0), why.at("lambda"));
+  EXPECT_GT(points.at("credible_95").at(1), why.at("lambda"));
+  for (const auto& [strategy, draw] : why.at("draws").items()) {
+    const double spent =
+        draw.at("cost_of_iteration").get<double>() * draw.at("expected_iterations").get<double>();
+    EXPECT_NEAR(draw.at("expected_time_to_success"),
+                spent / draw.at("query_probability").get<double>(), 1e-9)
+        << strategy;
+  }
+  EXPECT_EQ(why.at("choice").at("best"), "1p1l");
+  EXPECT_EQ(why.at("choice").at("hysteresis"), 0.15);
+  ASSERT_EQ(why.at("switches").size(), 1u);
+  EXPECT_EQ(why.at("switches")[0].at("before"), "mixed");
+  EXPECT_EQ(why.at("decisions")[0].at("time"), "1970-01-01 00:00:00Z");
+  const std::string text = Map("explain --store $STORE --map yard --segment 1").out;
+  EXPECT_THAT(text, HasSubstr("lambda = 0.205 (95%: "));
+  EXPECT_THAT(text, HasSubstr("time (UTC)"));
+  const json nothing = Json("explain --store $STORE --map yard --segment 0");
+  EXPECT_EQ(nothing.at("strategy_source"), "default");
+  EXPECT_EQ(nothing.at("draws").at("2p").at("expected_time_to_success"), nullptr);
+}
+
 TEST_F(MaplocMap, SessionsAreListed) {
   const json sessions = Json("sessions --store $STORE");
   ASSERT_EQ(sessions.size(), 2u);

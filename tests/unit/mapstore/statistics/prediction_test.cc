@@ -76,7 +76,7 @@ TEST(PredictStrategies, ExpectsAnIterationToSucceedOverThePosterior) {
 
 // The less is known, the more may be lost: the same means, but a tenth of the evidence.
 TEST(PredictStrategies, UncertaintyCostsTime) {
-  SelectorOptions options = Within(10000);
+  SelectorOptions options = Within(1000);
   options.prior_matches = 0.0;
   SegmentStatistics sure = Segment();
   sure.independent_points = sure.independent_usable_lines = 4000.0;
@@ -90,6 +90,25 @@ TEST(PredictStrategies, UncertaintyCostsTime) {
   }
   // With all this evidence time is what the mean says: cost / probability.
   EXPECT_NEAR(a.p1p1l.expected_time * a.p1p1l.draw_probability, 1.0, 0.01);
+}
+
+// 8 lines at 0.2: in 0.8^8 of the queries none is right, and 1P1L is lost there, however surely its
+// rates are known; 2P is not. (Pooled rates alone would promise success in all of them.)
+TEST(PredictStrategies, AQueryHasAWholeNumberOfRightLines) {
+  SegmentStatistics s = Segment();
+  s.point_matches = s.independent_points = 1e9;
+  s.point_inliers = 0.2e9;
+  s.usable_line_matches = s.independent_usable_lines = 1e9;
+  s.usable_line_inliers = 0.2e9;
+  s.typical_usable_line_matches = 8.0;
+  const StrategyPrediction prediction = PredictStrategies(s, Within(10000));
+  const double lost = std::pow(0.8, 8);
+  EXPECT_NEAR(prediction.p1p1l.query_probability, 1.0 - lost, 1e-4);
+  EXPECT_NEAR(prediction.p1p1l.expected_iterations,
+              10000 * lost + (1.0 - lost) * (1.0 - lost) / 0.04, 10.0);
+  EXPECT_GT(prediction.p2p.query_probability, 0.999);
+  EXPECT_GT(prediction.mixed.query_probability, 0.999);
+  EXPECT_LT(prediction.p2p.expected_time, prediction.p1p1l.expected_time / 10.0);
 }
 
 // A posterior that reaches down to 0 does not make time infinite: a search ends.
@@ -115,7 +134,7 @@ TEST(PredictStrategies, WhatCannotSucceedTakesForever) {
   const StrategyPrediction no_lines = PredictStrategies(bare);
   EXPECT_TRUE(std::isinf(no_lines.p1p1l.expected_time));
   EXPECT_EQ(no_lines.p1p1l.query_probability, 0.0);
-  EXPECT_DOUBLE_EQ(no_lines.mixed.expected_time, no_lines.p2p.expected_time);
+  EXPECT_DOUBLE_EQ(no_lines.mixed.expected_iterations, no_lines.p2p.expected_iterations);
   for (const Strategy strategy : kSelectableStrategies) {
     EXPECT_TRUE(std::isinf(nothing.Of(strategy).expected_time));
     EXPECT_EQ(nothing.Of(strategy).iteration_probability, 0.0);
