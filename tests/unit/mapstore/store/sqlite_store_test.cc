@@ -275,7 +275,10 @@ PRAGMA application_id = 1835102316; PRAGMA user_version = 1;)sql")}) {
   ASSERT_TRUE(store->Verify().ok()) << store->Verify().ToString();
   SelectorOptions kept;
   kept.statistics.half_life_sessions = 1.5;
-  kept.hysteresis = 0.25;  // and what version 1 did not know has its default
+  kept.statistics.change_discount = 0.05;
+  kept.hysteresis = 0.25;
+  kept.cost_mixed = 1.0;
+  kept.yields = NoGates();  // version 1 knew of none
   const SegmentSummary learned = store->GetSegment(key, 1).value();
   EXPECT_EQ(learned.selector, kept);
   EXPECT_EQ(store->ListRows(key, 1).value(), fresh->ListRows(key, 1).value());
