@@ -30,15 +30,42 @@ Proportion Between(const std::vector<Proportion>& sums, std::size_t begin, std::
           sums[end].independent - sums[begin].independent};
 }
 
-// In standard deviations, about the mean of both (Jeffreys').
-double DeviationBetween(const Proportion& before, const Proportion& after) {
+// Variance of a session's share beside its neighbours', by the median of their squared differences:
+// the few that straddle a change hardly move it. The expected square is twice the variance, the
+// median 0.455 of the expected one (chi-square of one degree of freedom).
+double SessionScatter(ChangeKind kind, std::span<const SegmentSessionRow> rows,
+                      const StatisticsOptions& options) {
+  std::vector<double> squares;
+  std::optional<double> previous;
+  for (const SegmentSessionRow& row : rows) {
+    const Proportion share = ProportionOf(kind, row, options);
+    if (Trials(share) <= 0.0) continue;
+    const double ratio = share.good / share.total;
+    if (previous) squares.push_back((ratio - *previous) * (ratio - *previous));
+    previous = ratio;
+  }
+  if (squares.empty()) return 0.0;
+  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+  std::nth_element(squares.begin(), middle, squares.end());
+  return *middle / (2.0 * 0.455);
+}
+
+// The sessions from `begin` to `at` against those from there to `end`, in standard deviations: of
+// the counts about the mean of both (Jeffreys'), or of the sessions' scatter, whichever is larger.
+double DeviationBetween(const std::vector<Proportion>& sums, std::size_t begin, std::size_t at,
+                        std::size_t end, double scatter) {
+  const Proportion before = Between(sums, begin, at);
+  const Proportion after = Between(sums, at, end);
   const double n = Trials(before);
   const double m = Trials(after);
   if (n <= 0.0 || m <= 0.0) return 0.0;
   const double low = before.good / before.total;
   const double high = after.good / after.total;
   const double mean = (low * n + high * m + 0.5) / (n + m + 1.0);
-  return (high - low) / std::sqrt(mean * (1.0 - mean) * (1.0 / n + 1.0 / m));
+  const double of_counts = mean * (1.0 - mean) * (1.0 / n + 1.0 / m);
+  const double of_sessions =
+      scatter * (1.0 / static_cast<double>(at - begin) + 1.0 / static_cast<double>(end - at));
+  return (high - low) / std::sqrt(std::max(of_counts, of_sessions));
 }
 
 struct Split {
@@ -46,10 +73,11 @@ struct Split {
   double deviation = 0.0;
 };
 
-Split BestSplit(const std::vector<Proportion>& sums, std::size_t begin, std::size_t end) {
+Split BestSplit(const std::vector<Proportion>& sums, std::size_t begin, std::size_t end,
+                double scatter) {
   Split best;
   for (std::size_t at = begin + 1; at < end; ++at) {
-    const double deviation = DeviationBetween(Between(sums, begin, at), Between(sums, at, end));
+    const double deviation = DeviationBetween(sums, begin, at, end, scatter);
     if (std::abs(deviation) > std::abs(best.deviation)) best = {at, deviation};
   }
   return best;
@@ -58,10 +86,11 @@ Split BestSplit(const std::vector<Proportion>& sums, std::size_t begin, std::siz
 std::optional<ChangePoint> LastChange(ChangeKind kind, std::span<const SegmentSessionRow> rows,
                                       const StatisticsOptions& options) {
   const std::vector<Proportion> sums = PrefixSums(kind, rows, options);
+  const double scatter = SessionScatter(kind, rows, options);
   std::optional<ChangePoint> change;
   std::size_t begin = 0;
   while (true) {
-    const Split split = BestSplit(sums, begin, rows.size());
+    const Split split = BestSplit(sums, begin, rows.size(), scatter);
     if (std::abs(split.deviation) < kMinSplitDeviation) return change;
     const Proportion before = Between(sums, begin, split.at);
     const Proportion after = Between(sums, split.at, rows.size());
