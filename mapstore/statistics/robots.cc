@@ -1,0 +1,314 @@
+#include "mapstore/statistics/robots.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+namespace maploc {
+namespace {
+
+constexpr double kSigmaOfMad = 1.4826;  // of a normal distribution
+// Variance of a median of n normal values, times n.
+constexpr double kMedianVariance = std::numbers::pi / 2.0;
+constexpr double kFloorOfConcern = 0.25;
+
+// REQUIRES: not empty. The lower one of the middle two would favour small values; their mean does
+// not.
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+double Ratio(double part, double whole) { return part / whole; }
+
+// What one session says about a metric in one segment; nullopt: too little.
+std::optional<double> GravityOf(std::span<const Observation* const> seen, std::int64_t least) {
+  std::vector<double> disagreements;
+  for (const Observation* o : seen) {
+    // Without a pose there is none, and it is zero.
+    if (o->evidence.gravity_disagreement_rad > 0.0) {
+      disagreements.push_back(o->evidence.gravity_disagreement_rad);
+    }
+  }
+  if (static_cast<std::int64_t>(disagreements.size()) < least) return std::nullopt;
+  return Median(std::move(disagreements));
+}
+
+std::optional<double> InlierRatioOf(std::span<const Observation* const> seen, std::int64_t least,
+                                    bool points) {
+  std::int64_t localized = 0;
+  double matches = 0.0;
+  double inliers = 0.0;
+  for (const Observation* o : seen) {
+    if (o->outcome != Outcome::kLocalized) continue;
+    ++localized;
+    const Evidence& e = o->evidence;
+    matches += points ? e.points.matches : e.usable_lines.matches + e.vertical_lines.matches;
+    inliers += points ? e.points.inliers : e.usable_lines.inliers + e.vertical_lines.inliers;
+  }
+  if (localized < least || matches <= 0.0) return std::nullopt;
+  return Ratio(inliers, matches);
+}
+
+std::optional<double> SuccessOf(std::span<const Observation* const> seen, std::int64_t least) {
+  if (static_cast<std::int64_t>(seen.size()) < least) return std::nullopt;
+  const auto localized = std::count_if(seen.begin(), seen.end(), [](const Observation* o) {
+    return o->outcome == Outcome::kLocalized;
+  });
+  return Ratio(static_cast<double>(localized), static_cast<double>(seen.size()));
+}
+
+std::optional<double> ValueOf(RobotMetric metric, std::span<const Observation* const> seen,
+                              std::int64_t least) {
+  switch (metric) {
+    case RobotMetric::kGravity:
+      return GravityOf(seen, least);
+    case RobotMetric::kPoints:
+      return InlierRatioOf(seen, least, true);
+    case RobotMetric::kLines:
+      return InlierRatioOf(seen, least, false);
+    case RobotMetric::kSuccess:
+      return SuccessOf(seen, least);
+  }
+  return std::nullopt;
+}
+
+double ConcernOf(RobotMetric metric, const RobotComparisonOptions& options) {
+  switch (metric) {
+    case RobotMetric::kGravity:
+      return options.min_gravity_rad;
+    case RobotMetric::kSuccess:
+      return options.min_success;
+    default:
+      return options.min_ratio;
+  }
+}
+
+// More is worse for gravity, less is worse for the others.
+double WorseBy(RobotMetric metric, double own, double others) {
+  return metric == RobotMetric::kGravity ? own - others : others - own;
+}
+
+struct Value {
+  std::size_t session = 0;  // its index
+  double value = 0.0;
+  double queries = 0.0;
+};
+
+// One session against the others' sessions, or one robot's sessions together.
+struct Difference {
+  double own = 0.0;
+  double others = 0.0;
+  double worse_by = 0.0;
+  double references = 0.0;  // sessions of others, in the segment with fewest
+  double chance = 0.0;      // variance that drawing successes alone gives; 0 for other metrics
+};
+
+using SegmentValues = std::map<SegmentId, std::vector<Value>>;
+
+SegmentValues ValuesOf(RobotMetric metric, std::span<const RobotSession> sessions,
+                       const RobotComparisonOptions& options) {
+  SegmentValues values;
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    std::map<SegmentId, std::vector<const Observation*>> seen;
+    for (const Observation& o : sessions[i].observations) {
+      if (o.segment >= 0) seen[o.segment].push_back(&o);
+    }
+    for (const auto& [segment, observations] : seen) {
+      const auto value = ValueOf(metric, observations, options.min_queries);
+      if (value) values[segment].push_back({i, *value, static_cast<double>(observations.size())});
+    }
+  }
+  return values;
+}
+
+// The values of other robots' sessions, the nearest in time, at most as many as are asked for.
+std::vector<double> References(const Value& of, std::span<const Value> all,
+                               std::span<const RobotSession> sessions, std::int64_t most) {
+  const RobotSession& own = sessions[of.session];
+  std::vector<std::pair<std::int64_t, double>> others;  // distance in time, value
+  for (const Value& value : all) {
+    const RobotSession& other = sessions[value.session];
+    if (other.robot == own.robot) continue;
+    others.emplace_back(std::abs(other.start_unix_ns - own.start_unix_ns), value.value);
+  }
+  std::sort(others.begin(), others.end());
+  if (static_cast<std::int64_t>(others.size()) > most) {
+    others.resize(static_cast<std::size_t>(most));
+  }
+  std::vector<double> values;
+  for (const auto& [distance, value] : others) values.push_back(value);
+  return values;
+}
+
+// Medians of many differences; the worst supported one tells the references.
+Difference MedianOf(std::span<const Difference> differences) {
+  std::vector<double> own, others, worse_by;
+  double references = differences.front().references;
+  double chance = 0.0;
+  for (const Difference& d : differences) {
+    chance += d.chance;
+    own.push_back(d.own);
+    others.push_back(d.others);
+    worse_by.push_back(d.worse_by);
+    references = std::min(references, d.references);
+  }
+  const auto count = static_cast<double>(differences.size());
+  if (differences.size() > 1) chance *= kMedianVariance / (count * count);
+  return {Median(std::move(own)), Median(std::move(others)), Median(std::move(worse_by)),
+          references, chance};
+}
+
+// Variance of a share of `count` queries that succeed with the others' share (half a success and
+// half a failure added, so that a spotless fleet does not predict perfection).
+double ChanceOf(double share, double count) {
+  const double mean = (share * count + 0.5) / (count + 1.0);
+  return mean * (1.0 - mean) / count;
+}
+
+// By session; sessions that share no segment with another robot are left out.
+std::map<std::size_t, Difference> SessionDifferences(RobotMetric metric,
+                                                     std::span<const RobotSession> sessions,
+                                                     const RobotComparisonOptions& options) {
+  std::map<std::size_t, std::vector<Difference>> by_session;
+  for (const auto& [segment, values] : ValuesOf(metric, sessions, options)) {
+    for (const Value& value : values) {
+      std::vector<double> others = References(value, values, sessions, options.max_references);
+      if (others.empty()) continue;
+      const auto count = static_cast<double>(others.size());
+      const double median = Median(std::move(others));
+      const double chance = metric == RobotMetric::kSuccess ? ChanceOf(median, value.queries) : 0.0;
+      by_session[value.session].push_back(
+          {value.value, median, WorseBy(metric, value.value, median), count, chance});
+    }
+  }
+  std::map<std::size_t, Difference> differences;
+  for (const auto& [session, parts] : by_session) differences[session] = MedianOf(parts);
+  return differences;
+}
+
+// How much sessions of one robot scatter, robust against robots that differ.
+struct Scatter {
+  double sigma = 0.0;
+  double freedom = 0.0;  // degrees of freedom of the estimate
+};
+
+// A robot's median lies nearer to its own sessions than the truth does: hence n / (n - 1). The
+// median absolute deviation is worth 37% of the sessions (its efficiency).
+Scatter ScatterOf(const std::map<std::string, std::vector<Difference>>& by_robot, double concern) {
+  constexpr double kEfficiency = 0.37;
+  constexpr double kFreedomOfFloor = 1000.0;
+  std::vector<double> deviations;
+  double freedom = 0.0;
+  for (const auto& [robot, differences] : by_robot) {
+    if (differences.size() < 2) continue;
+    const double middle = MedianOf(differences).worse_by;
+    const auto count = static_cast<double>(differences.size());
+    const double correction = std::sqrt(count / (count - 1.0));
+    for (const Difference& d : differences) {
+      deviations.push_back(correction * std::abs(d.worse_by - middle));
+    }
+    freedom += kEfficiency * (count - 1.0);
+  }
+  const Scatter floor{kFloorOfConcern * concern, kFreedomOfFloor};
+  if (deviations.empty()) return floor;
+  const double sigma = kSigmaOfMad * Median(std::move(deviations));
+  return sigma > floor.sigma ? Scatter{sigma, std::max(freedom, 1.0)} : floor;
+}
+
+// The probability that Student's t exceeds `t` (Wallace's approximation by the normal one).
+double ExceedsByChance(double t, double freedom) {
+  const double correction = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
+  const double z = std::copysign(correction * std::sqrt(freedom * std::log1p(t * t / freedom)), t);
+  return 0.5 * std::erfc(z / std::numbers::sqrt2);
+}
+
+RobotDifference Judge(RobotMetric metric, const Difference& difference, double own_variance,
+                      const Scatter& scatter, double concern, double false_alarm) {
+  const double references = std::max(1.0, difference.references);
+  const double sigma =
+      std::sqrt(scatter.sigma * scatter.sigma * (own_variance + kMedianVariance / references) +
+                difference.chance);
+  RobotDifference judged{metric, difference.own, difference.others, difference.worse_by / sigma,
+                         false};
+  judged.stands_out = difference.worse_by >= concern &&
+                      ExceedsByChance(judged.deviation, scatter.freedom) < false_alarm;
+  return judged;
+}
+
+bool AnyStandsOut(std::span<const RobotDifference> differences) {
+  return std::any_of(differences.begin(), differences.end(),
+                     [](const RobotDifference& d) { return d.stands_out; });
+}
+
+FleetComparison CountSessions(std::span<const RobotSession> sessions) {
+  std::map<std::string, RobotComparison> robots;
+  FleetComparison fleet;
+  for (const RobotSession& session : sessions) {
+    RobotComparison& robot = robots[session.robot];
+    robot.robot = session.robot;
+    ++robot.sessions;
+    robot.queries += static_cast<std::int64_t>(session.observations.size());
+    for (const Observation& o : session.observations) {
+      robot.localized += o.outcome == Outcome::kLocalized ? 1 : 0;
+    }
+    fleet.sessions.push_back({session.session, {}});
+  }
+  for (auto& [name, robot] : robots) fleet.robots.push_back(std::move(robot));
+  return fleet;
+}
+
+void CompareIn(RobotMetric metric, std::span<const RobotSession> sessions,
+               const RobotComparisonOptions& options, FleetComparison& fleet) {
+  const double concern = ConcernOf(metric, options);
+  const auto differences = SessionDifferences(metric, sessions, options);
+  std::map<std::string, std::vector<Difference>> by_robot;
+  for (const auto& [session, d] : differences) by_robot[sessions[session].robot].push_back(d);
+  const Scatter scatter = ScatterOf(by_robot, concern);
+  const double share = options.false_alarm / static_cast<double>(kRobotMetrics.size());
+  for (const auto& [session, d] : differences) {
+    fleet.sessions[session].differences.push_back(Judge(
+        metric, d, 1.0, scatter, concern, share / static_cast<double>(fleet.sessions.size())));
+  }
+  for (RobotComparison& robot : fleet.robots) {
+    const auto found = by_robot.find(robot.robot);
+    if (found == by_robot.end()) continue;
+    const double variance = kMedianVariance / static_cast<double>(found->second.size());
+    robot.differences.push_back(Judge(metric, MedianOf(found->second), variance, scatter, concern,
+                                      share / static_cast<double>(fleet.robots.size())));
+  }
+}
+
+}  // namespace
+
+std::string_view RobotMetricName(RobotMetric metric) {
+  switch (metric) {
+    case RobotMetric::kGravity:
+      return "gravity";
+    case RobotMetric::kPoints:
+      return "points";
+    case RobotMetric::kLines:
+      return "lines";
+    case RobotMetric::kSuccess:
+      return "success";
+  }
+  return "unknown";
+}
+
+bool RobotComparison::StandsOut() const { return AnyStandsOut(differences); }
+bool SessionComparison::StandsOut() const { return AnyStandsOut(differences); }
+
+FleetComparison CompareRobots(std::span<const RobotSession> sessions,
+                              const RobotComparisonOptions& options) {
+  FleetComparison fleet = CountSessions(sessions);
+  if (fleet.robots.size() < 2) return fleet;
+  for (const RobotMetric metric : kRobotMetrics) CompareIn(metric, sessions, options, fleet);
+  return fleet;
+}
+
+}  // namespace maploc

@@ -1,0 +1,88 @@
+// Is it the robot or is it the map? Each robot beside the others that drove through the same
+// segments at about the same time. Pure functions.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mapstore/model/session.h"
+
+namespace maploc {
+
+// In which a robot may stand out, always for the worse.
+enum class RobotMetric {
+  kGravity = 1,  // disagreement of measured gravity and pose (rad): its IMU, or its mounting
+  kPoints = 2,   // inlier ratio of points: camera, calibration, descriptors
+  kLines = 3,    // inlier ratio of all lines
+  kSuccess = 4,  // share of localized queries
+};
+inline constexpr std::array kRobotMetrics = {RobotMetric::kGravity, RobotMetric::kPoints,
+                                             RobotMetric::kLines, RobotMetric::kSuccess};
+std::string_view RobotMetricName(RobotMetric metric);  // "gravity", "points", "lines", "success"
+
+struct RobotSession {
+  SessionId session;
+  std::string robot;
+  std::int64_t start_unix_ns = 0;
+  std::vector<Observation> observations;
+};
+
+struct RobotComparisonOptions {
+  // Probability that a fleet without a fault has any robot (or, separately, any session) flagged:
+  // shared out among all tests made (Bonferroni).
+  double false_alarm = 0.01;
+  // A session says something about a segment from this many queries on (localized ones, for
+  // ratios).
+  std::int64_t min_queries = 3;
+  // Sessions of other robots that a session is compared with, in each segment: the nearest in time.
+  std::int64_t max_references = 10;
+  // Differences below these are nobody's concern, however certain.
+  double min_gravity_rad = 0.0175;  // 1 degree
+  double min_ratio = 0.1;
+  double min_success = 0.2;
+};
+
+// How a robot, or a session, differs from the others in one metric.
+struct RobotDifference {
+  RobotMetric metric = RobotMetric::kGravity;
+  double own = 0.0;        // median over the segments it saw
+  double others = 0.0;     // median of what the others saw there
+  double deviation = 0.0;  // standard deviations for the worse; negative: it is better
+  bool stands_out = false;
+};
+
+struct RobotComparison {
+  std::string robot;
+  std::int64_t sessions = 0;
+  std::int64_t queries = 0;
+  std::int64_t localized = 0;
+  std::vector<RobotDifference> differences;  // ascending by metric; those that can be compared
+  bool StandsOut() const;
+};
+
+struct SessionComparison {
+  SessionId session;
+  std::vector<RobotDifference> differences;
+  bool StandsOut() const;
+};
+
+struct FleetComparison {
+  std::vector<RobotComparison> robots;      // by name
+  std::vector<SessionComparison> sessions;  // in the order given
+};
+
+// In each segment a session's value is set against the median of the nearest sessions of other
+// robots: where the map decays, it decays for them all. The median of these differences over its
+// segments is the session's difference (one bad segment moves no session), the median over its
+// sessions the robot's. Their scatter is robust too: 1.4826 times the median absolute deviation of
+// sessions from their robot's median, judged by Student's t, and never below a floor of a quarter
+// of what is of concern. Needs two robots with a segment in common; with two alone the worse one is
+// flagged.
+FleetComparison CompareRobots(std::span<const RobotSession> sessions,
+                              const RobotComparisonOptions& options = {});
+
+}  // namespace maploc

@@ -1,0 +1,186 @@
+// Fleets made up: what each robot sees in each segment, its faults and the map's.
+#include "mapstore/statistics/robots.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+
+#include "tests/support/seed.h"
+
+namespace maploc::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr int kRobots = 6;
+constexpr int kSegments = 5;
+constexpr int kSessionsEach = 6;
+constexpr double kDegree = 0.017453292519943295;
+
+// What a fleet lives through. Times count sessions of the whole fleet.
+struct Story {
+  int broken_imu = -1;           // this robot's gravity is 5 degrees off ...
+  int broken_from = 0;           // ... from this session of it on
+  int blurred_camera = -1;       // half of this robot's point inliers are lost
+  int dying_segment = -1;        // its points fade from the middle of the story on
+  bool dies_for_all = false;     // every segment's do
+  double session_scatter = 1.0;  // light, traffic: how much sessions differ
+};
+
+Observation Query(Random& random, int sequence, SegmentId segment, double ratio,
+                  double gravity_rad) {
+  Observation o;
+  o.sequence = sequence;
+  o.segment = segment;
+  o.outcome = random.Uniform() < 0.9 ? Outcome::kLocalized : Outcome::kNoConsensus;
+  o.evidence.points = {100, static_cast<int>(100 * std::clamp(ratio, 0.02, 1.0))};
+  o.evidence.usable_lines = {
+      20, static_cast<int>(20 * std::clamp(0.5 + random.Gaussian(0.1), 0.0, 1.0))};
+  if (o.outcome == Outcome::kLocalized) {
+    const double x = random.Gaussian(0.5 * kDegree);
+    const double y = gravity_rad + random.Gaussian(0.5 * kDegree);
+    o.evidence.gravity_disagreement_rad = std::hypot(x, y);
+  }
+  return o;
+}
+
+std::string NameOf(int robot) { return "r" + std::to_string(robot); }
+
+std::vector<RobotSession> Tell(const Story& story, Random& random) {
+  std::vector<RobotSession> sessions;
+  for (int s = 0; s < kSessionsEach; ++s) {
+    for (int robot = 0; robot < kRobots; ++robot) {
+      const int time = s * kRobots + robot;
+      RobotSession session{NameOf(robot) + "-" + std::to_string(s), NameOf(robot), time, {}};
+      const double light = random.Gaussian(0.05 * story.session_scatter);
+      const bool late = s >= kSessionsEach / 2;
+      const bool tilted = robot == story.broken_imu && s >= story.broken_from;
+      int sequence = 0;
+      for (SegmentId segment = 0; segment < kSegments; ++segment) {
+        const bool dead = late && (segment == story.dying_segment || story.dies_for_all);
+        double ratio = (dead ? 0.1 : 0.3 + 0.1 * segment) + light;
+        if (robot == story.blurred_camera) ratio *= 0.5;
+        for (int q = 0; q < 8; ++q) {
+          session.observations.push_back(Query(random, ++sequence, segment,
+                                               ratio + random.Gaussian(0.08),
+                                               tilted ? 5.0 * kDegree : 0.0));
+        }
+      }
+      sessions.push_back(std::move(session));
+    }
+  }
+  return sessions;
+}
+
+std::vector<std::string> FlaggedRobots(const FleetComparison& fleet) {
+  std::vector<std::string> flagged;
+  for (const RobotComparison& robot : fleet.robots) {
+    for (const RobotDifference& d : robot.differences) {
+      if (d.stands_out)
+        flagged.push_back(robot.robot + " " + std::string(RobotMetricName(d.metric)));
+    }
+  }
+  return flagged;
+}
+
+std::vector<std::string> FlaggedSessions(const FleetComparison& fleet) {
+  std::vector<std::string> flagged;
+  for (const SessionComparison& session : fleet.sessions) {
+    if (session.StandsOut()) flagged.push_back(session.session);
+  }
+  return flagged;
+}
+
+TEST(Robots, ABrokenImuIsFlaggedAmongFiveHealthyOnes) {
+  for (int repetition = 0; repetition < 20; ++repetition) {
+    Random random = TestRandom(repetition);
+    const FleetComparison fleet = CompareRobots(Tell({.broken_imu = 2}, random));
+    EXPECT_THAT(FlaggedRobots(fleet), ElementsAre("r2 gravity")) << TestSeed(repetition);
+    const RobotDifference& gravity = fleet.robots[2].differences.front();
+    EXPECT_NEAR(gravity.own, 5.0 * kDegree, 0.5 * kDegree);
+    EXPECT_LT(gravity.others, 1.5 * kDegree);
+  }
+}
+
+// Its older sessions were good, so the robot as a whole does not stand out; the sessions do.
+TEST(Robots, AnImuThatBrokeYesterdayIsFlaggedInTheSessionsSince) {
+  for (int repetition = 0; repetition < 20; ++repetition) {
+    Random random = TestRandom(repetition);
+    const auto story = Tell({.broken_imu = 4, .broken_from = 4}, random);
+    EXPECT_THAT(FlaggedSessions(CompareRobots(story)), ElementsAre("r4-4", "r4-5"))
+        << TestSeed(repetition);
+  }
+}
+
+// (Of a loss of a third, 17 of 20 fleets with six sessions each tell.)
+TEST(Robots, ABlurredCameraShowsInItsPoints) {
+  for (int repetition = 0; repetition < 20; ++repetition) {
+    Random random = TestRandom(repetition);
+    EXPECT_THAT(FlaggedRobots(CompareRobots(Tell({.blurred_camera = 1}, random))),
+                ElementsAre("r1 points"))
+        << TestSeed(repetition);
+  }
+}
+
+TEST(Robots, ADyingSegmentIsNobodysFault) {
+  for (int repetition = 0; repetition < 20; ++repetition) {
+    Random random = TestRandom(repetition);
+    const FleetComparison fleet = CompareRobots(Tell({.dying_segment = 3}, random));
+    EXPECT_THAT(FlaggedRobots(fleet), IsEmpty()) << TestSeed(repetition);
+    EXPECT_THAT(FlaggedSessions(fleet), IsEmpty()) << TestSeed(repetition);
+  }
+}
+
+TEST(Robots, ADyingMapIsNobodysFault) {
+  for (int repetition = 0; repetition < 20; ++repetition) {
+    Random random = TestRandom(repetition);
+    const FleetComparison fleet = CompareRobots(Tell({.dies_for_all = true}, random));
+    EXPECT_THAT(FlaggedRobots(fleet), IsEmpty()) << TestSeed(repetition);
+  }
+}
+
+// The promise is 1% of fleets, for robots and for sessions alike.
+TEST(Robots, HealthyFleetsAreRarelyFlagged) {
+  constexpr int kFleets = 300;
+  int with_robot = 0;
+  int with_session = 0;
+  for (int repetition = 0; repetition < kFleets; ++repetition) {
+    Random random = TestRandom(repetition);
+    const double scatter = 1.0 + static_cast<double>(repetition % 3);
+    const FleetComparison fleet = CompareRobots(Tell({.session_scatter = scatter}, random));
+    with_robot += FlaggedRobots(fleet).empty() ? 0 : 1;
+    with_session += FlaggedSessions(fleet).empty() ? 0 : 1;
+  }
+  RecordProperty("with_robot", with_robot);
+  RecordProperty("with_session", with_session);
+  // 3 expected; 9 or more have a probability of 0.4%.
+  EXPECT_LT(with_robot, 9);
+  EXPECT_LT(with_session, 9);
+}
+
+TEST(Robots, OneRobotAloneOrRobotsApartCannotBeCompared) {
+  Random random = TestRandom();
+  std::vector<RobotSession> sessions = Tell({.broken_imu = 0}, random);
+  std::erase_if(sessions, [](const RobotSession& s) { return s.robot != "r0"; });
+  const FleetComparison alone = CompareRobots(sessions);
+  ASSERT_EQ(alone.robots.size(), 1u);
+  EXPECT_EQ(alone.robots[0].sessions, kSessionsEach);
+  EXPECT_THAT(alone.robots[0].differences, IsEmpty());
+  RobotSession elsewhere = sessions.front();
+  elsewhere.robot = "far";
+  for (Observation& o : elsewhere.observations) o.segment += 100;
+  sessions.push_back(elsewhere);
+  EXPECT_THAT(FlaggedRobots(CompareRobots(sessions)), IsEmpty());
+  EXPECT_THAT(CompareRobots({}).robots, IsEmpty());
+}
+
+TEST(Robots, OfTwoRobotsTheWorseOneIsFlagged) {
+  Random random = TestRandom();
+  std::vector<RobotSession> sessions = Tell({.broken_imu = 0}, random);
+  std::erase_if(sessions, [](const RobotSession& s) { return s.robot > "r1"; });
+  EXPECT_THAT(FlaggedRobots(CompareRobots(sessions)), ElementsAre("r0 gravity"));
+}
+
+}  // namespace
+}  // namespace maploc::testing
