@@ -32,6 +32,11 @@ CLI::App* AddCommand(CLI::App& app, CommandContext& context, const std::string& 
 void AddMapOption(CLI::App& command, std::string& name);       // --map, required
 void AddSegmentOption(CLI::App& command, SegmentId& segment);  // --segment, required
 
+void AddVersionOption(CLI::App& command, std::int64_t& version);  // --version; 0: the newest
+
+// One version of a map, the newest where `version` is 0.
+Result<MapSummary> FindMap(const MapStore& store, const std::string& name, std::int64_t version);
+
 // The store at context.store_path, which must exist: a command that reads makes none.
 Result<std::unique_ptr<MapStore>> OpenExistingStore(const CommandContext& context);
 // The same, but created where it does not exist (for imports).
@@ -42,6 +47,7 @@ void AddSegmentsCommand(CLI::App& app, CommandContext& context);
 void AddStatsCommand(CLI::App& app, CommandContext& context);
 void AddStrategyCommand(CLI::App& app, CommandContext& context);
 void AddExplainCommand(CLI::App& app, CommandContext& context);
+void AddRobotsCommand(CLI::App& app, CommandContext& context);
 void AddSessionsCommand(CLI::App& app, CommandContext& context);
 void AddRevokeCommand(CLI::App& app, CommandContext& context);
 void AddVerifyCommand(CLI::App& app, CommandContext& context);

@@ -22,6 +22,7 @@ void AddCommands(CLI::App& app, maploc::CommandContext& context) {
   maploc::AddStatsCommand(app, context);
   maploc::AddStrategyCommand(app, context);
   maploc::AddExplainCommand(app, context);
+  maploc::AddRobotsCommand(app, context);
   maploc::AddSessionsCommand(app, context);
   maploc::AddRevokeCommand(app, context);
   maploc::AddVerifyCommand(app, context);

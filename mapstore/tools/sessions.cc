@@ -1,9 +1,10 @@
-#include <algorithm>
 #include <array>
 #include <ctime>
 #include <iostream>
+#include <map>
 
 #include "mapstore/tools/commands.h"
+#include "mapstore/tools/fleet.h"
 #include "mapstore/tools/output.h"
 
 namespace maploc {
@@ -13,6 +14,8 @@ struct SessionLine {
   Session session;
   std::int64_t queries = 0;
   std::int64_t localized = 0;
+  std::map<SegmentId, std::int64_t> visits;  // queries by segment
+  std::vector<RobotDifference> differences;  // from the other robots; empty if revoked
 };
 
 std::string EndName(SessionEnd end) {
@@ -37,6 +40,14 @@ std::string FormatTime(std::int64_t unix_ns) {
   return text.data();
 }
 
+nlohmann::ordered_json VisitsToJson(const SessionLine& line) {
+  auto visits = nlohmann::ordered_json::array();
+  for (const auto& [segment, queries] : line.visits) {
+    visits.push_back({{"segment", segment}, {"queries", queries}});
+  }
+  return visits;
+}
+
 nlohmann::ordered_json ToJson(const SessionLine& line) {
   const Session& session = line.session;
   return {{"session", session.id},
@@ -51,12 +62,15 @@ nlohmann::ordered_json ToJson(const SessionLine& line) {
           {"state", EndName(session.end)},
           {"revoked", session.revoked},
           {"queries", line.queries},
-          {"localized", line.localized}};
+          {"localized", line.localized},
+          {"segments", VisitsToJson(line)},
+          {"stands_out", !DescribeFlags(line.differences).empty()},
+          {"differences", ToJson(line.differences)}};
 }
 
 void PrintTable(const std::vector<SessionLine>& lines) {
-  Table table(
-      {"session", "map", "version", "robot", "labels", "start", "state", "queries", "localized"});
+  Table table({"session", "map", "version", "robot", "labels", "start", "state", "queries",
+               "localized", "segments", "stands out"});
   for (const SessionLine& line : lines) {
     const Session& session = line.session;
     std::string labels;
@@ -66,20 +80,35 @@ void PrintTable(const std::vector<SessionLine>& lines) {
     table.AddRow({session.id, session.map.name, std::to_string(session.map.version), session.robot,
                   labels, FormatTime(session.start_unix_ns),
                   EndName(session.end) + (session.revoked ? ", revoked" : ""),
-                  std::to_string(line.queries), std::to_string(line.localized)});
+                  std::to_string(line.queries), std::to_string(line.localized),
+                  std::to_string(line.visits.size()), DescribeFlags(line.differences)});
   }
   table.Print(std::cout);
 }
 
+SessionLine LineOf(const SeenSession& seen) {
+  SessionLine line{seen.session, static_cast<std::int64_t>(seen.observations.size()), 0, {}, {}};
+  for (const Observation& observation : seen.observations) {
+    if (observation.outcome == Outcome::kLocalized) ++line.localized;
+    if (observation.segment >= 0) ++line.visits[observation.segment];
+  }
+  return line;
+}
+
 Result<std::vector<SessionLine>> ReadLines(const MapStore& store) {
-  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, store.ListSessions());
+  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, ReadSessions(store));
+  std::map<MapKey, std::map<SessionId, std::vector<RobotDifference>>> compared;
+  for (const SeenSession& seen : sessions) {
+    const auto [found, fresh] = compared.try_emplace(seen.session.map);
+    if (!fresh) continue;
+    for (SessionComparison& session : CompareFleet(sessions, found->first).sessions) {
+      found->second[session.session] = std::move(session.differences);
+    }
+  }
   std::vector<SessionLine> lines;
-  for (const Session& session : sessions) {
-    MAPLOC_ASSIGN_OR_RETURN(const auto observations, store.ListObservations(session.id));
-    const auto localized =
-        std::count_if(observations.begin(), observations.end(),
-                      [](const Observation& o) { return o.outcome == Outcome::kLocalized; });
-    lines.push_back({session, static_cast<std::int64_t>(observations.size()), localized});
+  for (const SeenSession& seen : sessions) {
+    lines.push_back(LineOf(seen));
+    lines.back().differences = std::move(compared[seen.session.map][seen.session.id]);
   }
   return lines;
 }

@@ -55,7 +55,7 @@ class MaplocMap : public ::testing::Test {
 
 TEST_F(MaplocMap, EveryCommandHelpsWithAnExample) {
   for (const std::string command : {"list", "segments", "stats", "strategy", "explain", "sessions",
-                                    "revoke", "verify", "backup", "plot"}) {
+                                    "revoke", "robots", "verify", "backup", "plot"}) {
     const Output run = Map(command + " --help");
     EXPECT_EQ(run.exit_code, 0);
     EXPECT_THAT(run.out, HasSubstr("maploc-map " + command + " --store")) << command;
@@ -189,6 +189,8 @@ TEST_F(MaplocMap, SessionsAreListed) {
   EXPECT_EQ(sessions[0].at("queries"), 21);
   EXPECT_EQ(sessions[0].at("localized"), 20);
   EXPECT_EQ(sessions[0].at("labels").at("season"), "autumn");
+  EXPECT_EQ(sessions[0].at("segments"), json::array({{{"segment", 1}, {"queries", 21}}}));
+  EXPECT_EQ(sessions[0].at("stands_out"), false);
   EXPECT_EQ(sessions[1].at("state"), "open");
 }
 
@@ -212,6 +214,42 @@ TEST_F(MaplocMap, ARevokedSessionNoLongerCountsUntilItIsTakenBack) {
   EXPECT_EQ(Json("revoke --store $STORE --session s --undo").at("revoked"), false);
   EXPECT_EQ(Json("segments --store $STORE --map yard"), before);
   ExpectFails("revoke --store $STORE --session nobody", "session 'nobody' does not exist");
+}
+
+// Three robots drive the yard; the gravity of one is five degrees off.
+TEST_F(MaplocMap, ARobotThatStandsOutIsNamedByRobotsAndBySessions) {
+  {
+    const auto store = OpenSqliteStore(store_).value();
+    ASSERT_TRUE(store->RevokeSession("s").ok());  // the fixture's saw other things
+    for (const std::string robot : {"good", "fine", "tilted"}) {
+      for (int drive = 0; drive < 3; ++drive) {
+        Session session = OpenSession(robot + std::to_string(drive), key_, 5000 + drive);
+        session.robot = robot;
+        ASSERT_TRUE(store->StartSession(session).ok());
+        std::vector<Observation> seen;
+        for (int i = 1; i <= 12; ++i) {
+          seen.push_back(Seen(i, i % 3));
+          seen.back().evidence.gravity_disagreement_rad = robot == "tilted" ? 0.087 : 0.01;
+        }
+        ASSERT_TRUE(store->EndSession(session.id, SessionEnd::kByRobot, 6000, seen).ok());
+      }
+    }
+  }
+  const json robots = Json("robots --store $STORE --map yard");
+  ASSERT_EQ(robots.size(), 4u);  // and r2 of the fixture
+  for (const json& robot : robots) {
+    EXPECT_EQ(robot.at("stands_out"), robot.at("robot") == "tilted") << robot;
+  }
+  EXPECT_EQ(robots[3].at("differences")[0].at("metric"), "gravity");
+  EXPECT_DOUBLE_EQ(robots[3].at("differences")[0].at("own"), 0.087);
+  EXPECT_DOUBLE_EQ(robots[3].at("differences")[0].at("others"), 0.01);
+  const std::string flag = "gravity 5.0 (others 0.6) degrees";
+  EXPECT_THAT(Map("robots --store $STORE --map yard").out, HasSubstr(flag));
+  for (const json& session : Json("sessions --store $STORE")) {
+    EXPECT_EQ(session.at("stands_out"), session.at("robot") == "tilted") << session;
+  }
+  EXPECT_THAT(Map("sessions --store $STORE").out, HasSubstr(flag));
+  ExpectFails("robots --store $STORE --map yard --version 2", "map 'yard' version 2");
 }
 
 TEST_F(MaplocMap, ABackupIsAStore) {

@@ -1,0 +1,64 @@
+#include "mapstore/tools/fleet.h"
+
+#include <numbers>
+
+#include "mapstore/tools/output.h"
+
+namespace maploc {
+namespace {
+
+constexpr double kDegreesOfRadian = 180.0 / std::numbers::pi;
+
+std::string Describe(const RobotDifference& difference) {
+  const bool gravity = difference.metric == RobotMetric::kGravity;
+  const double unit = gravity ? kDegreesOfRadian : 1.0;
+  const int decimals = gravity ? 1 : 2;
+  return std::string(RobotMetricName(difference.metric)) + " " +
+         FormatNumber(unit * difference.own, decimals) + " (others " +
+         FormatNumber(unit * difference.others, decimals) + ")" + (gravity ? " degrees" : "");
+}
+
+}  // namespace
+
+Result<std::vector<SeenSession>> ReadSessions(const MapStore& store) {
+  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, store.ListSessions());
+  std::vector<SeenSession> seen;
+  for (const Session& session : sessions) {
+    MAPLOC_ASSIGN_OR_RETURN(auto observations, store.ListObservations(session.id));
+    seen.push_back({session, std::move(observations)});
+  }
+  return seen;
+}
+
+FleetComparison CompareFleet(const std::vector<SeenSession>& sessions, const MapKey& key) {
+  std::vector<RobotSession> fleet;
+  for (const SeenSession& seen : sessions) {
+    const Session& session = seen.session;
+    if (session.revoked || session.map != key) continue;
+    fleet.push_back({session.id, session.robot, session.start_unix_ns, seen.observations});
+  }
+  return CompareRobots(fleet);
+}
+
+std::string DescribeFlags(const std::vector<RobotDifference>& differences) {
+  std::string text;
+  for (const RobotDifference& difference : differences) {
+    if (!difference.stands_out) continue;
+    text += (text.empty() ? "" : ", ") + Describe(difference);
+  }
+  return text;
+}
+
+nlohmann::ordered_json ToJson(const std::vector<RobotDifference>& differences) {
+  auto json = nlohmann::ordered_json::array();
+  for (const RobotDifference& difference : differences) {
+    json.push_back({{"metric", RobotMetricName(difference.metric)},
+                    {"own", difference.own},
+                    {"others", difference.others},
+                    {"deviation", difference.deviation},
+                    {"stands_out", difference.stands_out}});
+  }
+  return json;
+}
+
+}  // namespace maploc

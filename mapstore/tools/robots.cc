@@ -1,0 +1,74 @@
+#include <iostream>
+
+#include "mapstore/tools/commands.h"
+#include "mapstore/tools/fleet.h"
+#include "mapstore/tools/output.h"
+
+namespace maploc {
+namespace {
+
+struct RobotsFlags {
+  std::string map;
+  std::int64_t version = 0;
+};
+
+nlohmann::ordered_json ToJson(const RobotComparison& robot) {
+  return {{"robot", robot.robot},
+          {"sessions", robot.sessions},
+          {"queries", robot.queries},
+          {"localized", robot.localized},
+          {"stands_out", robot.StandsOut()},
+          {"differences", ToJson(robot.differences)}};
+}
+
+// "own / others", or "-" where there is nothing to compare.
+std::string Pair(const RobotComparison& robot, RobotMetric metric, double unit) {
+  for (const RobotDifference& difference : robot.differences) {
+    if (difference.metric != metric) continue;
+    return FormatNumber(unit * difference.own, 2) + " / " +
+           FormatNumber(unit * difference.others, 2);
+  }
+  return "-";
+}
+
+void PrintTable(const FleetComparison& fleet) {
+  constexpr double kDegrees = 57.29577951308232;
+  Table table({"robot", "sessions", "queries", "localized", "gravity, degrees", "points", "lines",
+               "success", "stands out"});
+  for (const RobotComparison& robot : fleet.robots) {
+    table.AddRow({robot.robot, std::to_string(robot.sessions), std::to_string(robot.queries),
+                  std::to_string(robot.localized), Pair(robot, RobotMetric::kGravity, kDegrees),
+                  Pair(robot, RobotMetric::kPoints, 1.0), Pair(robot, RobotMetric::kLines, 1.0),
+                  Pair(robot, RobotMetric::kSuccess, 1.0), DescribeFlags(robot.differences)});
+  }
+  table.Print(std::cout);
+  std::cout << "Each number beside that of the other robots in the same segments at about the same "
+               "time.\n";
+  if (fleet.robots.size() < 2) std::cout << "It takes two robots to compare.\n";
+}
+
+Status Robots(const CommandContext& context, const RobotsFlags& flags) {
+  MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
+  MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*store, flags.map, flags.version));
+  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, ReadSessions(*store));
+  const FleetComparison fleet = CompareFleet(sessions, map.info.key);
+  if (!context.json) return PrintTable(fleet), Status::Ok();
+  auto document = nlohmann::ordered_json::array();
+  for (const RobotComparison& robot : fleet.robots) document.push_back(ToJson(robot));
+  PrintJson(document);
+  return Status::Ok();
+}
+
+}  // namespace
+
+void AddRobotsCommand(CLI::App& app, CommandContext& context) {
+  auto flags = std::make_shared<RobotsFlags>();
+  CLI::App* command =
+      AddCommand(app, context, "robots", "Compares each robot with the others in the same segments",
+                 "maploc-map robots --store campus.db --map campus",
+                 [&context, flags] { return Robots(context, *flags); });
+  AddMapOption(*command, flags->map);
+  AddVersionOption(*command, flags->version);
+}
+
+}  // namespace maploc
