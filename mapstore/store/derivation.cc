@@ -34,6 +34,19 @@ std::vector<SegmentSessionRow> SampleRows() {
   return rows;
 }
 
+SegmentDerivation DeriveFrom(const SelectorFold& fold, const std::optional<Strategy>& pinned,
+                             const SelectorOptions& options) {
+  SegmentDerivation derived{fold.statistics().Value(), fold.Decision()};
+  if (!pinned) return derived;
+  const StrategyPrediction prediction = PredictStrategies(derived.statistics, options);
+  const bool evidence = derived.statistics.localized > 0;
+  derived.decision = {*pinned, StrategySource::kPinned,
+                      "pinned by an operator; otherwise " + derived.decision.reason,
+                      evidence ? prediction.Of(*pinned).iteration_probability : 0.0,
+                      RankAfter(*pinned, derived.decision.ranking)};
+  return derived;
+}
+
 }  // namespace
 
 void LandmarkCounter::Add(const Segment& segment) {
@@ -55,15 +68,9 @@ void LandmarkCounter::CountInto(MapSummary& summary) const {
 SegmentDerivation DeriveSegment(std::span<const SegmentSessionRow> rows,
                                 const std::optional<Strategy>& pinned,
                                 const SelectorOptions& options) {
-  SegmentDerivation derived{Aggregate(rows, options.statistics), SelectStrategy(rows, options)};
-  if (!pinned) return derived;
-  const StrategyPrediction prediction = PredictStrategies(derived.statistics, options);
-  derived.decision = {
-      *pinned, StrategySource::kPinned,
-      "pinned by an operator; otherwise " + derived.decision.reason,
-      derived.statistics.localized > 0 ? prediction.Of(*pinned).iteration_probability : 0.0,
-      RankAfter(*pinned, derived.decision.ranking)};
-  return derived;
+  SelectorFold fold(options);
+  for (const SegmentSessionRow& row : rows) fold.Add(row);
+  return DeriveFrom(fold, pinned, options);
 }
 
 SegmentState DeriveState(const SegmentTruth& truth) {
@@ -76,27 +83,28 @@ SegmentState DeriveState(const SegmentTruth& truth) {
 
 std::vector<DecisionRecord> ReplayHistory(const SegmentTruth& truth) {
   std::vector<DecisionRecord> history;
+  SelectorFold fold(truth.options);
   std::optional<Strategy> pinned;
   std::size_t next_pin = 0;
-  const auto record = [&](std::int64_t time_unix_ns, std::string cause, std::size_t rows) {
-    SegmentDerivation derived =
-        DeriveSegment(std::span(truth.rows).first(rows), pinned, truth.options);
+  const auto record = [&](std::int64_t time_unix_ns, std::string cause) {
+    SegmentDerivation derived = DeriveFrom(fold, pinned, truth.options);
     history.push_back(
         {time_unix_ns, std::move(cause), std::move(derived.decision), derived.statistics});
   };
-  const auto give_pins_before = [&](std::int64_t start_unix_ns, std::size_t rows) {
+  const auto give_pins_before = [&](std::int64_t start_unix_ns) {
     for (; next_pin < truth.pins.size(); ++next_pin) {
       const Pin& pin = truth.pins[next_pin];
       if (pin.time_unix_ns >= start_unix_ns) return;
       pinned = pin.strategy;
-      record(pin.time_unix_ns, pinned ? "pin" : "unpin", rows);
+      record(pin.time_unix_ns, pinned ? "pin" : "unpin");
     }
   };
   for (std::size_t i = 0; i < truth.rows.size(); ++i) {
-    give_pins_before(truth.rows[i].session_start_unix_ns, i);
-    record(truth.ends_unix_ns[i], truth.rows[i].session, i + 1);
+    give_pins_before(truth.rows[i].session_start_unix_ns);
+    fold.Add(truth.rows[i]);
+    record(truth.ends_unix_ns[i], truth.rows[i].session);
   }
-  give_pins_before(std::numeric_limits<std::int64_t>::max(), truth.rows.size());
+  give_pins_before(std::numeric_limits<std::int64_t>::max());
   return history;
 }
 

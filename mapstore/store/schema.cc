@@ -230,7 +230,23 @@ CREATE TABLE segment_states (
 ) STRICT, WITHOUT ROWID;
 )sql";
 
-constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3};
+// A new version of a map starts with what sessions taught about the landmarks that it shares with
+// older ones. Versions that were there before inherit nothing.
+constexpr std::string_view kVersion4 = R"sql(
+CREATE TABLE inheritance (
+  map INTEGER NOT NULL,
+  segment INTEGER NOT NULL,
+  source_map INTEGER NOT NULL,
+  source_segment INTEGER NOT NULL,
+  weight REAL NOT NULL CHECK (weight > 0 AND weight <= 1),
+  PRIMARY KEY (map, segment, source_map, source_segment),
+  FOREIGN KEY (map, segment) REFERENCES segments (map, segment),
+  FOREIGN KEY (source_map, source_segment) REFERENCES segments (map, segment)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX inheritance_by_source ON inheritance (source_map, source_segment);
+)sql";
+
+constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4};
 
 }  // namespace
 

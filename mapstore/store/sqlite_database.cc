@@ -1,5 +1,9 @@
 #include "mapstore/store/sqlite_database.h"
 
+#include <chrono>
+#include <cstdint>
+#include <thread>
+
 #include <sqlite3.h>
 
 namespace maploc {
@@ -16,6 +20,14 @@ int OpenFlags(SqliteAccess access) {
 // SQLite gives names like ":memory:" and "" a meaning of their own; behind a folder they are files.
 std::string FileName(const std::string& path) { return path.starts_with('/') ? path : "./" + path; }
 
+// A millisecond at a time. SQLite's own handler sleeps up to 100 ms between two looks, and an
+// import that takes the lock again and again would win it from an EndSession that sleeps.
+int WaitForLock(void* timeout_ms, int waited_ms) {
+  if (waited_ms >= reinterpret_cast<std::intptr_t>(timeout_ms)) return 0;
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return 1;
+}
+
 }  // namespace
 
 void SqliteDatabase::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
@@ -27,7 +39,8 @@ Result<SqliteDatabase> SqliteDatabase::Open(const std::string& path, SqliteAcces
   SqliteDatabase database(path, handle);
   if (result != SQLITE_OK) return database.ErrorOf(result);
   sqlite3_extended_result_codes(handle, 1);
-  sqlite3_busy_timeout(handle, busy_timeout_ms);
+  sqlite3_busy_handler(handle, &WaitForLock,
+                       reinterpret_cast<void*>(static_cast<std::intptr_t>(busy_timeout_ms)));
   MAPLOC_RETURN_IF_ERROR(
       database.Execute("PRAGMA foreign_keys = ON; PRAGMA synchronous = FULL; "
                        "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;"));

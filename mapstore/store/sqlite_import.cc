@@ -6,6 +6,9 @@
 #include "mapstore/store/codec.h"
 #include "mapstore/store/derivation.h"
 #include "mapstore/store/import_lock.h"
+#include "mapstore/store/sqlite_inheritance.h"
+#include "mapstore/store/sqlite_maps.h"
+#include "mapstore/store/sqlite_states.h"
 #include "mapstore/store/validation.h"
 
 namespace maploc {
@@ -96,13 +99,43 @@ Status DeleteImport(SqliteConnections& connections, std::int64_t map, ImportOwne
       return writer.Commit();
     }
     const std::int64_t segment = find.Int(0);
-    for (const char* sql : {"DELETE FROM segment_features WHERE map = ?1 AND segment = ?2",
+    for (const char* sql : {"DELETE FROM segment_states WHERE map = ?1 AND segment = ?2",
+                            "DELETE FROM inheritance WHERE map = ?1 AND segment = ?2",
+                            "DELETE FROM segment_features WHERE map = ?1 AND segment = ?2",
                             "DELETE FROM segments WHERE map = ?1 AND segment = ?2"}) {
       SqliteStatement remove(writer.database(), sql);
       MAPLOC_RETURN_IF_ERROR(remove.Bind(map, segment).Run());
     }
     MAPLOC_RETURN_IF_ERROR(writer.Commit());
   }
+}
+
+// What the version in `places` inherits from the newest published one before it. Nothing where that
+// one is damaged: a new map must not fail for an old one's sake.
+Result<std::vector<Inheritance>> FindInheritance(SqliteConnections& connections,
+                                                 const MapInfo& info, std::int64_t map,
+                                                 std::span<const Segment> places) {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections.Read());
+  SqliteDatabase& database = reader.database();
+  MAPLOC_ASSIGN_OR_RETURN(const auto maps, ReadAllMaps(database));
+  const StoredMap* predecessor = nullptr;  // they come by name, then version
+  for (const StoredMap& other : maps) {
+    const MapKey& key = other.key();
+    if (key.name == info.key.name && key.version < info.key.version && other.row_id != map) {
+      predecessor = &other;
+    }
+  }
+  if (predecessor == nullptr) return std::vector<Inheritance>();
+  std::vector<Segment> old_places;
+  for (std::int64_t id = 0; id < predecessor->summary.segments; ++id) {
+    const auto segment = ReadSegment(database, *predecessor, static_cast<SegmentId>(id));
+    if (segment.status().code() == StatusCode::kDataLoss) return std::vector<Inheritance>();
+    if (!segment.ok()) return segment.status();
+    old_places.push_back(WithoutDescriptors(**segment));
+  }
+  MAPLOC_ASSIGN_OR_RETURN(const auto older, ReadInheritance(database, predecessor->row_id));
+  return InheritFrom(predecessor->row_id, predecessor->summary.info, old_places, older, info,
+                     places);
 }
 
 class SqliteMapWriter : public MapWriter {
@@ -135,6 +168,7 @@ class SqliteMapWriter : public MapWriter {
     MAPLOC_RETURN_IF_ERROR(InsertFeatures(database, row_id_, segment.id, kLinesType, lines));
     MAPLOC_RETURN_IF_ERROR(writer.Commit());
     counter_.Add(segment);
+    places_.push_back(WithoutDescriptors(segment));
     ++next_;
     return Status::Ok();
   }
@@ -142,6 +176,7 @@ class SqliteMapWriter : public MapWriter {
   Status Commit() override {
     if (committed_) return ImportCommitted();
     if (next_ == 0) return EmptyMap(info_.key);
+    MAPLOC_RETURN_IF_ERROR(Inherit());
     MapSummary summary;
     counter_.CountInto(summary);
     MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_.Write());
@@ -157,11 +192,30 @@ class SqliteMapWriter : public MapWriter {
   }
 
  private:
+  // One short transaction a segment: with many sessions a whole map would keep others waiting. What
+  // sessions teach the older versions meanwhile reaches the segments that have inherited already.
+  Status Inherit() {
+    MAPLOC_ASSIGN_OR_RETURN(const auto shares,
+                            FindInheritance(connections_, info_, row_id_, places_));
+    for (std::size_t i = 0; i < shares.size();) {
+      const SegmentId heir = shares[i].to;
+      MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_.Write());
+      for (; i < shares.size() && shares[i].to == heir; ++i) {
+        MAPLOC_RETURN_IF_ERROR(InsertInheritance(writer.database(), row_id_, shares[i]));
+      }
+      MAPLOC_RETURN_IF_ERROR(
+          DeriveAnew(writer.database(), row_id_, heir, connections_.options().selector).status());
+      MAPLOC_RETURN_IF_ERROR(writer.Commit());
+    }
+    return Status::Ok();
+  }
+
   SqliteConnections& connections_;
   const MapInfo info_;
   const std::int64_t row_id_;
   const ImportLock lock_;
   LandmarkCounter counter_;
+  std::vector<Segment> places_;  // of the segments so far, without descriptors
   SegmentId next_ = 0;
   bool committed_ = false;
 };

@@ -1,9 +1,12 @@
 #include "mapstore/store/sqlite_learning.h"
 
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "mapstore/base/clock.h"
 #include "mapstore/store/derivation.h"
+#include "mapstore/store/sqlite_inheritance.h"
 #include "mapstore/store/sqlite_maps.h"
 #include "mapstore/store/sqlite_sessions.h"
 #include "mapstore/store/sqlite_states.h"
@@ -24,6 +27,20 @@ Status LearnSegment(SqliteDatabase& database, const StoredMap& map, const Segmen
   change.strategy_before = before.derived.decision.strategy;
   change.strategy_after = after.derived.decision.strategy;
   return KeepStrategies(database, map.row_id, row.session, change);
+}
+
+// The segments of newer versions that inherit from segments whose rows have changed.
+Status DeriveHeirs(SqliteDatabase& database, const StoredMap& map,
+                   std::span<const SegmentSessionRow> changed, const SelectorOptions& options) {
+  std::set<std::pair<std::int64_t, SegmentId>> heirs;
+  for (const SegmentSessionRow& row : changed) {
+    MAPLOC_ASSIGN_OR_RETURN(const auto of_segment, ReadHeirs(database, map.row_id, row.segment));
+    heirs.insert(of_segment.begin(), of_segment.end());
+  }
+  for (const auto& [heir, segment] : heirs) {
+    MAPLOC_RETURN_IF_ERROR(DeriveAnew(database, heir, segment, options).status());
+  }
+  return Status::Ok();
 }
 
 }  // namespace
@@ -49,6 +66,7 @@ Result<SessionSummary> EndSqliteSession(SqliteConnections& connections, const Se
     MAPLOC_RETURN_IF_ERROR(
         LearnSegment(database, map, rows[i], options, options_row, summary.segments[i]));
   }
+  MAPLOC_RETURN_IF_ERROR(DeriveHeirs(database, map, rows, options));
   MAPLOC_RETURN_IF_ERROR(writer.CommitVisibly());
   return summary;
 }
@@ -61,10 +79,11 @@ Status SetSqliteSessionRevoked(SqliteConnections& connections, const SessionId& 
   MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(database, session.map));
   MAPLOC_RETURN_IF_ERROR(MarkRevoked(database, id, revoked));
   MAPLOC_ASSIGN_OR_RETURN(const auto rows, ReadRowsOfSession(database, id));
+  const SelectorOptions& options = connections.options().selector;
   for (const SegmentSessionRow& row : rows) {
-    MAPLOC_RETURN_IF_ERROR(
-        DeriveAnew(database, map.row_id, row.segment, connections.options().selector).status());
+    MAPLOC_RETURN_IF_ERROR(DeriveAnew(database, map.row_id, row.segment, options).status());
   }
+  MAPLOC_RETURN_IF_ERROR(DeriveHeirs(database, map, rows, options));
   return writer.CommitVisibly();
 }
 

@@ -232,7 +232,7 @@ Status KeepStrategies(SqliteDatabase& database, std::int64_t map, const SessionI
       .Run();
 }
 
-Result<std::vector<StoredRow>> ReadRows(SqliteDatabase& database, std::int64_t map, SegmentId id) {
+Result<std::vector<TrueRow>> ReadRows(SqliteDatabase& database, std::int64_t map, SegmentId id) {
   SqliteStatement statement(database,
                             "SELECT " + std::string(kRowColumns) +
                                 ", s.end_unix_ns, r.options "
@@ -240,12 +240,12 @@ Result<std::vector<StoredRow>> ReadRows(SqliteDatabase& database, std::int64_t m
                                 "WHERE r.map = ?1 AND r.segment = ?2 AND s.revoked = 0 "
                                 "ORDER BY s.start_unix_ns, s.id");
   statement.Bind(map, id);
-  std::vector<StoredRow> rows;
+  std::vector<TrueRow> rows;
   while (true) {
     MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
     if (!row) return rows;
-    rows.push_back(
-        {RowAt(statement), statement.Int(kRowColumnCount), statement.Int(kRowColumnCount + 1)});
+    rows.push_back({RowAt(statement), map, statement.Int(kRowColumnCount),
+                    statement.Int(kRowColumnCount + 1)});
   }
 }
 

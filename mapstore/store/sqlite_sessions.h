@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "mapstore/store/carried.h"
 #include "mapstore/store/map_store.h"
 #include "mapstore/store/sqlite_database.h"
 #include "mapstore/store/sqlite_maps.h"
@@ -28,20 +29,14 @@ Result<std::vector<Observation>> ReadObservations(SqliteDatabase& database, cons
 // Whether the session counts. (Its rows stay.)
 Status MarkRevoked(SqliteDatabase& database, const SessionId& id, bool revoked);
 
-// A row with what the derivation needs to know of its session.
-struct StoredRow {
-  SegmentSessionRow row;
-  std::int64_t end_unix_ns = 0;
-  std::int64_t options = 0;  // the row of the options that its end was counted with
-};
 // The strategies before and after it are filled in by KeepStrategies.
 Status InsertRow(SqliteDatabase& database, std::int64_t map, const SegmentSessionRow& row,
                  std::int64_t options);
 // The strategies of a segment before and after a session's end, for its kept summary.
 Status KeepStrategies(SqliteDatabase& database, std::int64_t map, const SessionId& id,
                       const SessionSummary::SegmentChange& change);
-// Of unrevoked sessions, in folding order.
-Result<std::vector<StoredRow>> ReadRows(SqliteDatabase& database, std::int64_t map, SegmentId id);
+// Of unrevoked sessions on this version, in folding order.
+Result<std::vector<TrueRow>> ReadRows(SqliteDatabase& database, std::int64_t map, SegmentId id);
 // Of one session, by segment.
 Result<std::vector<SegmentSessionRow>> ReadRowsOfSession(SqliteDatabase& database,
                                                          const SessionId& id);

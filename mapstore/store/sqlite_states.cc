@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "mapstore/store/sqlite_sessions.h"
+#include "mapstore/store/sqlite_inheritance.h"
 
 namespace maploc {
 namespace {
@@ -107,18 +107,6 @@ Status ReadPins(SqliteDatabase& database, std::int64_t map, SegmentId id, std::v
   }
 }
 
-// `options` becomes the row of the newest row's options.
-Status ReadTrueRows(SqliteDatabase& database, std::int64_t map, SegmentId id, SegmentTruth& truth,
-                    std::optional<std::int64_t>& options) {
-  MAPLOC_ASSIGN_OR_RETURN(std::vector<StoredRow> rows, ReadRows(database, map, id));
-  for (StoredRow& stored : rows) {
-    truth.rows.push_back(std::move(stored.row));
-    truth.ends_unix_ns.push_back(stored.end_unix_ns);
-    options = stored.options;
-  }
-  return Status::Ok();
-}
-
 Status WriteState(SqliteDatabase& database, std::int64_t map, SegmentId id,
                   const SegmentState& state) {
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t options, OptionsRow(database, state.options));
@@ -152,7 +140,8 @@ Result<std::vector<std::pair<std::int64_t, SegmentId>>> SegmentsWithTruth(
     SqliteDatabase& database) {
   SqliteStatement statement(database,
                             "SELECT map, segment FROM segment_sessions UNION "
-                            "SELECT map, segment FROM pins ORDER BY 1, 2");
+                            "SELECT map, segment FROM pins UNION "
+                            "SELECT map, segment FROM inheritance ORDER BY 1, 2");
   std::vector<std::pair<std::int64_t, SegmentId>> segments;
   while (true) {
     MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
@@ -169,7 +158,12 @@ Result<SegmentTruth> ReadTruth(SqliteDatabase& database, std::int64_t map, Segme
   truth.options = defaults;
   std::optional<std::int64_t> options;
   MAPLOC_RETURN_IF_ERROR(ReadPins(database, map, id, truth.pins, options));
-  MAPLOC_RETURN_IF_ERROR(ReadTrueRows(database, map, id, truth, options));
+  MAPLOC_ASSIGN_OR_RETURN(auto rows, ReadTrueRows(database, map, id));
+  for (TrueRow& row : rows) {
+    truth.rows.push_back(std::move(row.row));
+    truth.ends_unix_ns.push_back(row.end_unix_ns);
+    options = row.options;
+  }
   if (options) {
     MAPLOC_ASSIGN_OR_RETURN(truth.options, ReadOptions(database, *options));
   }

@@ -66,6 +66,22 @@ Status CheckSegment(SqliteDatabase& database, const StoredMap& map, SegmentId id
   return CheckState(database, map, id);
 }
 
+// Shares go to one version at most whole, and come from older versions of the same map.
+Status CheckInheritance(SqliteDatabase& database, const StoredMap& map) {
+  SqliteStatement shares(database,
+                         "SELECT source_segment FROM inheritance WHERE map = ?1 "
+                         "GROUP BY source_map, source_segment HAVING SUM(weight) > 1.000001");
+  MAPLOC_ASSIGN_OR_RETURN(const bool twice, shares.Bind(map.row_id).Step());
+  if (twice) return Broken(database, NameOf(map) + ": inherits an older segment's rows twice");
+  SqliteStatement sources(database,
+                          "SELECT 1 FROM inheritance i JOIN map_versions m ON m.id = i.source_map "
+                          "WHERE i.map = ?1 AND (m.name <> ?2 OR m.version >= ?3)");
+  MAPLOC_ASSIGN_OR_RETURN(const bool strange,
+                          sources.Bind(map.row_id, map.key().name, map.key().version).Step());
+  if (strange) return Broken(database, NameOf(map) + ": inherits from what is no older version");
+  return Status::Ok();
+}
+
 Status CheckMap(SqliteDatabase& database, const StoredMap& map) {
   SqliteStatement count(database, "SELECT COUNT(*) FROM segments WHERE map = ?1");
   MAPLOC_ASSIGN_OR_RETURN(const bool row, count.Bind(map.row_id).Step());
@@ -76,6 +92,7 @@ Status CheckMap(SqliteDatabase& database, const StoredMap& map) {
   for (std::int64_t id = 0; id < map.summary.segments; ++id) {
     MAPLOC_RETURN_IF_ERROR(CheckSegment(database, map, static_cast<SegmentId>(id), counter));
   }
+  MAPLOC_RETURN_IF_ERROR(CheckInheritance(database, map));
   MapSummary counted;
   counter.CountInto(counted);
   const MapSummary& stored = map.summary;

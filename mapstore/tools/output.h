@@ -2,6 +2,7 @@
 // output; progress and warnings go to standard error.
 #pragma once
 
+#include <cstdint>
 #include <iosfwd>
 #include <optional>
 #include <string>
@@ -28,6 +29,8 @@ class Table {
 
 // Fixed point.
 std::string FormatNumber(double value, int decimals);
+// UTC, to the second: "2026-11-25 16:49:57Z".
+std::string FormatTime(std::int64_t unix_ns);
 // "0.734", or "-" where there is no evidence.
 std::string FormatRatio(std::optional<double> ratio);
 // The number, or JSON's null.

@@ -1,5 +1,6 @@
 #include <fstream>
 #include <iostream>
+#include <map>
 
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/output.h"
@@ -10,8 +11,22 @@ namespace {
 
 struct PlotFlags {
   std::string map;
+  std::int64_t version = 0;
   std::string out;
+  PlotColour colour = PlotColour::kStrategy;
 };
+
+std::string_view NameOf(PlotColour colour) {
+  switch (colour) {
+    case PlotColour::kStrategy:
+      return "strategy";
+    case PlotColour::kInlierRatio:
+      return "inlier ratio";
+    case PlotColour::kChange:
+      return "change";
+  }
+  return "unknown";
+}
 
 Status WriteFile(const std::string& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
@@ -24,16 +39,21 @@ Status WriteFile(const std::string& path, const std::string& text) {
 
 Status Plot(const CommandContext& context, const PlotFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
-  MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, store->GetMap(flags.map));
+  MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*store, flags.map, flags.version));
   const MapKey& key = map.info.key;
   MAPLOC_ASSIGN_OR_RETURN(const auto segments, store->ListSegments(key));
   std::vector<std::shared_ptr<const Segment>> landmarks;
+  std::vector<SegmentChanges> changes;
   for (const SegmentSummary& segment : segments) {
     MAPLOC_ASSIGN_OR_RETURN(auto loaded, store->LoadSegment(key, segment.id));
     landmarks.push_back(std::move(loaded));
+    MAPLOC_ASSIGN_OR_RETURN(const auto rows, store->ListRows(key, segment.id));
+    changes.push_back({segment.id, FindChanges(rows, segment.selector.statistics)});
   }
-  const std::string title = key.name + ", version " + std::to_string(key.version);
-  MAPLOC_RETURN_IF_ERROR(WriteFile(flags.out, PlotSvg(title, segments, landmarks)));
+  const std::string title = key.name + ", version " + std::to_string(key.version) +
+                            ", segments by " + std::string(NameOf(flags.colour));
+  MAPLOC_RETURN_IF_ERROR(
+      WriteFile(flags.out, PlotSvg(title, flags.colour, segments, changes, landmarks)));
   if (context.json) {
     PrintJson({{"map", key.name}, {"out", flags.out}});
   } else {
@@ -47,11 +67,18 @@ Status Plot(const CommandContext& context, const PlotFlags& flags) {
 void AddPlotCommand(CLI::App& app, CommandContext& context) {
   auto flags = std::make_shared<PlotFlags>();
   CLI::App* command = AddCommand(
-      app, context, "plot", "Draws a map's plan, its segments in the colours of their strategies",
-      "maploc-map plot --store campus.db --map campus --out campus.svg",
+      app, context, "plot", "Draws a map's plan, its segments coloured by what is known of them",
+      "maploc-map plot --store campus.db --map campus --out campus.svg --colour change",
       [&context, flags] { return Plot(context, *flags); });
   AddMapOption(*command, flags->map);
+  AddVersionOption(*command, flags->version);
   command->add_option("--out", flags->out, "The picture's file")->required()->type_name("FILE.svg");
+  const std::map<std::string, PlotColour> names = {{"strategy", PlotColour::kStrategy},
+                                                   {"inlier-ratio", PlotColour::kInlierRatio},
+                                                   {"change", PlotColour::kChange}};
+  command->add_option("--colour", flags->colour, "What colours tell; the first is the default")
+      ->transform(CLI::CheckedTransformer(names))
+      ->type_name("strategy|inlier-ratio|change");
 }
 
 }  // namespace maploc

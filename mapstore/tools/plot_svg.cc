@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "mapstore/tools/output.h"
+#include "mapstore/tools/plot_colours.h"
 
 namespace maploc {
 namespace {
@@ -14,17 +15,6 @@ namespace {
 constexpr double kSidePx = 1000.0;
 constexpr double kMarginPx = 40.0;
 constexpr double kLegendPx = 90.0;
-
-std::string_view ColourOf(Strategy strategy) {
-  switch (strategy) {
-    case Strategy::k1P1L:
-      return "#d95f02";
-    case Strategy::k2P:
-      return "#1b9e77";
-    default:
-      return "#7570b3";
-  }
-}
 
 std::string Escape(std::string_view text) {
   std::string escaped;
@@ -88,10 +78,11 @@ void DrawLandmarks(const Segment& segment, const Plan& plan, std::ostream& svg) 
   svg << "'/>\n";
 }
 
-void DrawPath(const SegmentSummary& segment, const Plan& plan, std::ostream& svg) {
+void DrawPath(const SegmentSummary& segment, const std::string& colour, const Plan& plan,
+              std::ostream& svg) {
   if (segment.path_in_map.empty()) return;
-  svg << "<polyline fill='none' stroke-width='4' stroke-opacity='0.8' stroke='"
-      << ColourOf(segment.decision.strategy) << "' points='";
+  svg << "<polyline fill='none' stroke-width='4' stroke-opacity='0.8' stroke='" << colour
+      << "' points='";
   for (const Eigen::Vector3d& position : segment.path_in_map) {
     svg << plan.X(position) << "," << plan.Y(position) << " ";
   }
@@ -100,19 +91,21 @@ void DrawPath(const SegmentSummary& segment, const Plan& plan, std::ostream& svg
       << "</text>\n";
 }
 
-void DrawLegend(const std::string& title, std::ostream& svg) {
+void DrawLegend(const std::string& title, PlotColour colour, std::ostream& svg) {
   svg << "<text x='" << kMarginPx << "' y='30' font-size='20'>" << Escape(title) << "</text>\n";
   double x = kMarginPx;
-  for (const Strategy strategy : {Strategy::k1P1L, Strategy::k2P, Strategy::kMixed}) {
-    svg << "<text x='" << x << "' y='58' fill='" << ColourOf(strategy) << "'>&#9632; "
-        << StrategyName(strategy) << "</text>\n";
-    x += 90.0;
+  for (const LegendEntry& entry : LegendOf(colour)) {
+    svg << "<text x='" << x << "' y='58'><tspan fill='" << entry.colour << "'>&#9632;</tspan> "
+        << Escape(entry.text) << "</text>\n";
+    x += 50.0 + 8.0 * static_cast<double>(entry.text.size());
   }
 }
 
 }  // namespace
 
-std::string PlotSvg(const std::string& title, const std::vector<SegmentSummary>& segments,
+std::string PlotSvg(const std::string& title, PlotColour colour,
+                    const std::vector<SegmentSummary>& segments,
+                    const std::vector<SegmentChanges>& changes,
                     const std::vector<std::shared_ptr<const Segment>>& landmarks) {
   const Plan plan = Frame(segments);
   std::ostringstream svg;
@@ -121,8 +114,10 @@ std::string PlotSvg(const std::string& title, const std::vector<SegmentSummary>&
       << "' font-family='sans-serif' font-size='14'>\n<rect width='100%' height='100%' "
          "fill='white'/>\n";
   for (const auto& segment : landmarks) DrawLandmarks(*segment, plan, svg);
-  for (const SegmentSummary& segment : segments) DrawPath(segment, plan, svg);
-  DrawLegend(title, svg);
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    DrawPath(segments[i], ColourOf(colour, segments[i], changes[i]), plan, svg);
+  }
+  DrawLegend(title, colour, svg);
   svg << "</svg>\n";
   return svg.str();
 }

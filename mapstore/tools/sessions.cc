@@ -1,5 +1,3 @@
-#include <array>
-#include <ctime>
 #include <iostream>
 #include <map>
 
@@ -28,16 +26,6 @@ std::string EndName(SessionEnd end) {
       return "idle";
   }
   return "unknown";
-}
-
-// UTC, to the second.
-std::string FormatTime(std::int64_t unix_ns) {
-  const std::time_t seconds = static_cast<std::time_t>(unix_ns / 1'000'000'000);
-  std::tm utc{};
-  std::array<char, 32> text{};
-  if (gmtime_r(&seconds, &utc) == nullptr) return "?";
-  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%SZ", &utc);
-  return text.data();
 }
 
 nlohmann::ordered_json VisitsToJson(const SessionLine& line) {

@@ -2,6 +2,7 @@
 // they ended nor on what was revoked on the way (mapstore/store/map_store.h).
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include <gmock/gmock.h>
 
@@ -234,6 +235,108 @@ TEST_P(LearningContract, ARevokeIsSeenByCachesOnceAndNamesWhatIsUnknown) {
   EXPECT_EQ(End("s"), summary);  // what was answered stays answered
   EXPECT_EQ(store_->RevokeSession("nobody").reason(), "UNKNOWN_SESSION");
   EXPECT_EQ(store_->ReinstateSession("nobody").code(), StatusCode::kNotFound);
+}
+
+class InheritanceContract : public LearningContract {
+ protected:
+  // What a version tells, whichever it is.
+  std::vector<Told> TellOf(const MapKey& key) {
+    const MapKey mine = std::exchange(key_, key);
+    std::vector<Told> told = Tell();
+    key_ = mine;
+    return told;
+  }
+  std::int64_t QueriesIn(const MapKey& key) {
+    std::int64_t queries = 0;
+    for (SegmentId id = 0; id < kSegments; ++id) queries += At(key, id).statistics.queries;
+    return queries;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Stores, InheritanceContract,
+                         ::testing::Values(StoreKind::kInMemory, StoreKind::kSqlite), NameOf);
+
+// The yard once more: neighbours share 20 of 123 landmarks, whose evidence is split.
+TEST_P(InheritanceContract, ANewVersionStartsWithWhatTheOldOneTaught) {
+  Fresh();
+  Start("s", key_);
+  std::vector<Observation> good_lines;
+  for (int i = 1; i <= 100; ++i) good_lines.push_back(Seen(i, 0, 100, 20, 20, 16));
+  End("s", good_lines);
+  const MapKey second = GiveMap(*store_, "yard", kSegments);
+  const SegmentSummary old = At(key_, 0);
+  const SegmentSummary fresh = At(second, 0);
+  EXPECT_EQ(fresh.decision.strategy, old.decision.strategy);
+  EXPECT_EQ(fresh.decision.source, StrategySource::kLearned);
+  EXPECT_NEAR(*fresh.statistics.PointInlierRatio(), 0.2, 1e-3);
+  EXPECT_GT(fresh.statistics.queries, 85);
+  EXPECT_GT(At(second, 1).statistics.queries, 0);
+  EXPECT_NEAR(static_cast<double>(QueriesIn(second)), 100.0, 1.0);
+  ASSERT_THAT(store_->ListRows(second, 0).value(), SizeIs(1));
+  EXPECT_EQ(store_->ListRows(second, 0).value()[0].session, "s");
+  EXPECT_EQ(At(key_, 0).statistics, old.statistics);
+  ExpectVerified();
+}
+
+// Before the import, after it, revoked or not: what counts is which sessions count.
+TEST_P(InheritanceContract, WhatIsInheritedFollowsTheSessionsOfTheOldVersion) {
+  for (int repetition = 0; repetition < 2; ++repetition) {
+    Random random = TestRandom(repetition);
+    SCOPED_TRACE(::testing::Message() << "seed " << TestSeed(repetition));
+    std::vector<Drive> drives = RandomDrives(random, 10);
+    std::vector<Told> first_second;
+    std::vector<Told> first_third;
+    for (int order = 0; order < 3; ++order) {
+      Fresh();
+      StartAll(drives);
+      MapKey second;
+      MapKey third;
+      for (std::size_t i = 0; i < drives.size(); ++i) {
+        if (i == 3 * static_cast<std::size_t>(order)) second = GiveMap(*store_, "yard", kSegments);
+        if (i == 7) third = GiveMap(*store_, "yard", kSegments);
+        Finish(drives[i], random);
+        if (random.Below(2) == 0) {
+          ASSERT_TRUE(store_->RevokeSession(drives[i].id).ok());
+        }
+      }
+      for (const Drive& drive : drives) {
+        const bool out = drive.id == "d1" || drive.id == "d4";
+        const Status status =
+            out ? store_->RevokeSession(drive.id) : store_->ReinstateSession(drive.id);
+        ASSERT_TRUE(status.ok());
+      }
+      ExpectVerified();
+      if (order == 0) {
+        first_second = TellOf(second);
+        first_third = TellOf(third);
+        EXPECT_FALSE(first_third[0].rows.empty());
+      }
+      EXPECT_EQ(TellOf(second), first_second) << "order " << order;
+      EXPECT_EQ(TellOf(third), first_third) << "order " << order;
+      Shuffle(random, drives);
+    }
+  }
+}
+
+TEST_P(InheritanceContract, AnotherPlaceInheritsNothing) {
+  Fresh();
+  Start("s", key_);
+  End("s", {Seen(1, 0), Seen(2, 1)});
+  auto writer = store_->BeginImport(YardInfo("yard"));
+  ASSERT_TRUE(writer.ok());
+  Segment moved = YardSegment(0);
+  for (Eigen::Vector3d& point : moved.points.positions_in_map) point.x() += 1000.0;
+  for (LineSegment3& line : moved.lines.segments_in_map) {
+    line.start.x() += 1000.0;
+    line.end.x() += 1000.0;
+  }
+  for (Eigen::Vector3d& position : moved.path_in_map) position.x() += 1000.0;
+  ASSERT_TRUE((*writer)->AddSegment(moved).ok());
+  ASSERT_TRUE((*writer)->Commit().ok());
+  EXPECT_EQ(At({"yard", 2}, 0).statistics, SegmentStatistics{});
+  const MapKey other = GiveMap(*store_, "alley", kSegments);
+  EXPECT_EQ(QueriesIn(other), 0);
+  ExpectVerified();
 }
 
 }  // namespace

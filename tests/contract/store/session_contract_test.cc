@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/contract/load/many_robots.h"
 #include "tests/contract/store/store_contract.h"
 
 namespace maploc::testing {
@@ -261,6 +262,13 @@ TEST_P(SessionContract, ManyRobotsAtOnceLoseNothing) {
     EXPECT_EQ(At(key, id).statistics.sessions, kRobots);
   }
   EXPECT_TRUE(store_->Verify().ok());
+}
+
+// tests/contract/load has the whole 100,000.
+TEST_P(SessionContract, ManyObservationsByManyRobotsAreAllCountedOnce) {
+  const MapKey key = GiveMap(*store_);
+  EXPECT_EQ(DriveRobots(*store_, key, 64, 110, 3), 0);
+  ExpectAllCountedOnce(*store_, key, 64, 110, 3);
 }
 
 // Two threads end one session at once: one folds it, both get the same answer.

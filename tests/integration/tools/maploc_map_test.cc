@@ -252,6 +252,82 @@ TEST_F(MaplocMap, ARobotThatStandsOutIsNamedByRobotsAndBySessions) {
   ExpectFails("robots --store $STORE --map yard --version 2", "map 'yard' version 2");
 }
 
+// Twelve days and nights; from the sixth day on the points of segment 2 are gone by day.
+class MaplocMapSeason : public MaplocMap {
+ protected:
+  void SetUp() override {
+    MaplocMap::SetUp();
+    const auto store = OpenSqliteStore(store_).value();
+    ASSERT_TRUE(store->RevokeSession("s").ok());
+    for (int day = 1; day <= 12; ++day) {
+      for (const std::string light : {"day", "night"}) {
+        const std::string id = light + std::to_string(day);
+        Session session = OpenSession(id, key_, day * std::int64_t{86'400'000'000'000});
+        session.labels = {{"light", light}, {"season", "autumn"}};
+        ASSERT_TRUE(store->StartSession(session).ok());
+        std::vector<Observation> seen;
+        for (int i = 1; i <= 15; ++i) {
+          seen.push_back(Seen(2 * i - 1, 1, 100, 60));
+          seen.push_back(Seen(2 * i, 2, 100, light == "day" && day >= 6 ? 5 : 60));
+        }
+        ASSERT_TRUE(store->EndSession(id, SessionEnd::kByRobot, session.start_unix_ns, seen).ok());
+      }
+    }
+  }
+};
+
+TEST_F(MaplocMapSeason, StatsTellWhereTheMapIsDyingSinceWhenAndInWhat) {
+  const std::string by_day = "stats --store $STORE --map yard --label light=day";
+  const json stats = Json(by_day);
+  EXPECT_EQ(stats[1].at("sessions"), 12);
+  EXPECT_EQ(stats[1].at("changes"), json::array());
+  EXPECT_EQ(stats[1].at("decline_rank"), nullptr);
+  EXPECT_EQ(stats[2].at("decline_rank"), 1);
+  ASSERT_EQ(stats[2].at("changes").size(), 1u);
+  const json& change = stats[2].at("changes")[0];
+  EXPECT_EQ(change.at("kind"), "points");
+  EXPECT_EQ(change.at("since_session"), "day6");
+  EXPECT_EQ(change.at("since_unix_ns"), 6 * std::int64_t{86'400'000'000'000});
+  EXPECT_DOUBLE_EQ(change.at("before"), 0.6);
+  EXPECT_DOUBLE_EQ(change.at("after"), 0.05);
+  const std::string text = Map(by_day).out;
+  EXPECT_THAT(text, HasSubstr("Where the map is dying"));
+  EXPECT_THAT(text, HasSubstr("1970-01-07"));
+  EXPECT_THAT(Map("stats --store $STORE --map yard --label light=night").out,
+              HasSubstr("No segment has become worse"));
+}
+
+TEST_F(MaplocMapSeason, StatsByALabelAndOfAVersion) {
+  const json groups = Json("stats --store $STORE --map yard --by light --label season=autumn");
+  ASSERT_EQ(groups.size(), 2u);
+  EXPECT_EQ(groups[0].at("by"), "light");
+  EXPECT_EQ(groups[0].at("value"), "day");
+  EXPECT_EQ(groups[1].at("value"), "night");
+  EXPECT_LT(groups[0].at("segments")[2].at("point_inlier_ratio"), 0.1);
+  EXPECT_DOUBLE_EQ(groups[1].at("segments")[2].at("point_inlier_ratio"), 0.6);
+  EXPECT_EQ(Json("stats --store $STORE --map yard --label light=fog")[1].at("sessions"), 0);
+  EXPECT_EQ(Map("stats --store $STORE --map yard --label light").exit_code, 2);
+  GiveMap(*OpenSqliteStore(store_).value());
+  const json fresh = Json("stats --store $STORE --map yard --recompute");
+  EXPECT_EQ(fresh[1].at("inherited_sessions"), 24);
+  EXPECT_EQ(fresh[1].at("recomputed_equal"), true);
+  const json old = Json("stats --store $STORE --map yard --version 1");
+  EXPECT_EQ(old[1].at("inherited_sessions"), 0);
+  EXPECT_EQ(old[1].at("queries"), 24 * 15);
+}
+
+TEST_F(MaplocMapSeason, PlotsTellStrategyRatioAndChange) {
+  for (const std::string colour : {"strategy", "inlier-ratio", "change"}) {
+    const std::string out = folder_.File(colour + ".svg");
+    EXPECT_EQ(Json("plot --store $STORE --map yard --colour " + colour + " --out " + out).at("out"),
+              out);
+    std::ifstream file(out);
+    const std::string svg{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_THAT(svg, HasSubstr("segments by"));
+  }
+  EXPECT_EQ(Map("plot --store $STORE --map yard --out x.svg --colour mood").exit_code, 2);
+}
+
 TEST_F(MaplocMap, ABackupIsAStore) {
   const std::string copy = folder_.File("copy.db");
   EXPECT_EQ(Json("backup --store $STORE --to " + copy).at("backup"), copy);

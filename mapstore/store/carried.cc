@@ -1,0 +1,100 @@
+#include "mapstore/store/carried.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+#include <utility>
+
+namespace maploc {
+namespace {
+
+// Less would round to nothing in all but the longest sessions, and would grow with every version.
+constexpr double kLeastWeight = 0.005;
+
+Similarity3 FreshFromOld(const MapInfo& old_info, const MapInfo& fresh_info) {
+  const Similarity3 source_from_old = old_info.map_from_source.Inverse();
+  const Similarity3& fresh_from_source = fresh_info.map_from_source;
+  Similarity3 fresh_from_old;
+  fresh_from_old.scale = fresh_from_source.scale * source_from_old.scale;
+  fresh_from_old.rotation = fresh_from_source.rotation * source_from_old.rotation;
+  fresh_from_old.translation = fresh_from_source * source_from_old.translation;
+  return fresh_from_old;
+}
+
+std::vector<SegmentLandmarks> AllLandmarks(std::span<const Segment> segments,
+                                           const Similarity3& fresh_from_map) {
+  std::vector<SegmentLandmarks> landmarks;
+  landmarks.reserve(segments.size());
+  for (const Segment& segment : segments) landmarks.push_back(LandmarksOf(segment, fresh_from_map));
+  return landmarks;
+}
+
+}  // namespace
+
+Segment WithoutDescriptors(const Segment& segment) {
+  Segment bare;
+  bare.map = segment.map;
+  bare.id = segment.id;
+  bare.path_in_map = segment.path_in_map;
+  bare.points.ids = segment.points.ids;
+  bare.points.positions_in_map = segment.points.positions_in_map;
+  bare.lines.ids = segment.lines.ids;
+  bare.lines.segments_in_map = segment.lines.segments_in_map;
+  return bare;
+}
+
+std::vector<Inheritance> InheritFrom(std::int64_t predecessor, const MapInfo& old_info,
+                                     std::span<const Segment> old_segments,
+                                     std::span<const Inheritance> older, const MapInfo& fresh_info,
+                                     std::span<const Segment> fresh_segments) {
+  const auto shares = CarryOver(AllLandmarks(old_segments, FreshFromOld(old_info, fresh_info)),
+                                AllLandmarks(fresh_segments, Similarity3{}),
+                                SharedLandmarkTolerance(fresh_segments));
+  std::map<std::tuple<SegmentId, std::int64_t, SegmentId>, double> weights;
+  for (const CarriedShare& share : shares) {
+    weights[{share.to, predecessor, share.from}] += share.weight;
+    for (const Inheritance& before : older) {
+      if (before.to != share.from) continue;
+      weights[{share.to, before.source, before.from}] += before.weight * share.weight;
+    }
+  }
+  std::vector<Inheritance> inheritance;
+  for (const auto& [key, weight] : weights) {
+    const auto& [to, source, from] = key;
+    if (weight >= kLeastWeight) inheritance.push_back({source, from, to, std::min(weight, 1.0)});
+  }
+  return inheritance;
+}
+
+std::vector<TrueRow> WithInherited(SegmentId segment, std::vector<TrueRow> own,
+                                   std::span<const TrueRow> rows,
+                                   std::span<const Inheritance> inheritance) {
+  std::map<SessionId, std::vector<const TrueRow*>> sessions;
+  for (const TrueRow& row : rows) sessions[row.row.session].push_back(&row);
+  for (auto& [id, parts] : sessions) {
+    std::sort(parts.begin(), parts.end(),
+              [](const TrueRow* a, const TrueRow* b) { return a->row.segment < b->row.segment; });
+  }
+  for (const auto& [id, parts] : sessions) {
+    std::vector<SegmentSessionRow> taught;
+    std::vector<CarriedShare> shares;
+    for (const TrueRow* part : parts)
+      taught.push_back(part->row);  // by segment: sums have an order
+    for (const Inheritance& share : inheritance) {
+      if (share.source == parts.front()->source) {
+        shares.push_back({share.from, segment, share.weight});
+      }
+    }
+    for (SegmentSessionRow& carried : CarryRows(taught, shares)) {
+      const TrueRow& part = *parts.front();
+      own.push_back({std::move(carried), part.source, part.end_unix_ns, part.options});
+    }
+  }
+  std::sort(own.begin(), own.end(), [](const TrueRow& a, const TrueRow& b) {
+    return std::tie(a.row.session_start_unix_ns, a.row.session) <
+           std::tie(b.row.session_start_unix_ns, b.row.session);
+  });
+  return own;
+}
+
+}  // namespace maploc

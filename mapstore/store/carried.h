@@ -1,0 +1,49 @@
+// What a version of a map inherits from older ones: which share of an older segment's rows counts
+// in which segment of the new one. Pure functions that all stores share.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "mapstore/model/map.h"
+#include "mapstore/model/session.h"
+#include "mapstore/statistics/carry_over.h"
+#include "mapstore/statistics/selector.h"
+
+namespace maploc {
+
+// Of the rows of segment `from` of version `source` (a name for it: the store's own), the share
+// `weight` counts in segment `to` of the version that inherits.
+struct Inheritance {
+  std::int64_t source = 0;
+  SegmentId from = 0;
+  SegmentId to = 0;
+  double weight = 0.0;  // in (0, 1]
+  bool operator==(const Inheritance&) const = default;
+};
+
+// A row with what the derivation needs to know of its session.
+struct TrueRow {
+  SegmentSessionRow row;
+  std::int64_t source = 0;  // the version that the session was on
+  std::int64_t end_unix_ns = 0;
+  std::int64_t options = 0;  // a name of the options that its end was counted with: the store's own
+};
+
+// A segment's places alone: enough for finding landmarks again.
+Segment WithoutDescriptors(const Segment& segment);
+
+// What `fresh` inherits from the version before it, and through that from older ones: `older` is
+// what that version (named `predecessor`) has itself inherited. Ascending by (to, source, from).
+std::vector<Inheritance> InheritFrom(std::int64_t predecessor, const MapInfo& old_info,
+                                     std::span<const Segment> old_segments,
+                                     std::span<const Inheritance> older, const MapInfo& fresh_info,
+                                     std::span<const Segment> fresh_segments);
+
+// The rows of one segment, in folding order: its own, and what `inheritance` (of this segment
+// alone) makes of the `rows` of older versions, one for each of their sessions.
+std::vector<TrueRow> WithInherited(SegmentId segment, std::vector<TrueRow> own,
+                                   std::span<const TrueRow> rows,
+                                   std::span<const Inheritance> inheritance);
+
+}  // namespace maploc

@@ -1,0 +1,43 @@
+#include "mapstore/store/in_memory_data.h"
+
+namespace maploc {
+namespace {
+
+std::vector<Segment> PlacesOf(const StoredMap& map) {
+  std::vector<Segment> places;
+  for (const StoredSegment& stored : map.segments) {
+    places.push_back(WithoutDescriptors(*stored.segment));
+  }
+  return places;
+}
+
+}  // namespace
+
+std::vector<Observation> InOrder(const std::map<std::int64_t, Observation>& observations) {
+  std::vector<Observation> ordered;
+  for (const auto& [sequence, observation] : observations) ordered.push_back(observation);
+  return ordered;
+}
+
+SegmentSummary Summarize(const StoredSegment& stored) {
+  const Segment& segment = *stored.segment;
+  SegmentSummary summary;
+  summary.id = segment.id;
+  summary.points = segment.points.size();
+  summary.lines = segment.lines.size();
+  summary.usable_lines = CountUsableLines(segment.lines);
+  summary.path_in_map = segment.path_in_map;
+  summary.statistics = stored.state.derived.statistics;
+  summary.decision = stored.state.derived.decision;
+  summary.pinned = stored.state.pinned;
+  summary.selector = stored.state.options;
+  return summary;
+}
+
+std::vector<Inheritance> InheritanceOf(const StoredMap& map, const StoredMap& predecessor) {
+  const MapInfo& old_info = predecessor.summary.info;
+  return InheritFrom(old_info.key.version, old_info, PlacesOf(predecessor), predecessor.inheritance,
+                     map.summary.info, PlacesOf(map));
+}
+
+}  // namespace maploc

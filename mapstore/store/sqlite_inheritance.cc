@@ -1,0 +1,62 @@
+#include "mapstore/store/sqlite_inheritance.h"
+
+#include "mapstore/store/sqlite_sessions.h"
+
+namespace maploc {
+namespace {
+
+Result<std::vector<Inheritance>> Collect(SqliteStatement& statement) {
+  std::vector<Inheritance> shares;
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+    if (!row) return shares;
+    shares.push_back({statement.Int(0), statement.Int32(1), statement.Int32(2), statement.Real(3)});
+  }
+}
+
+}  // namespace
+
+Result<std::vector<Inheritance>> ReadInheritance(SqliteDatabase& database, std::int64_t map) {
+  SqliteStatement statement(database,
+                            "SELECT source_map, source_segment, segment, weight FROM inheritance "
+                            "WHERE map = ?1 ORDER BY segment, source_map, source_segment");
+  return Collect(statement.Bind(map));
+}
+
+Status InsertInheritance(SqliteDatabase& database, std::int64_t map, const Inheritance& share) {
+  SqliteStatement insert(database,
+                         "INSERT OR REPLACE INTO inheritance (map, segment, source_map, "
+                         "source_segment, weight) VALUES (?1, ?2, ?3, ?4, ?5)");
+  return insert.Bind(map, share.to, share.source, share.from, share.weight).Run();
+}
+
+Result<std::vector<std::pair<std::int64_t, SegmentId>>> ReadHeirs(SqliteDatabase& database,
+                                                                  std::int64_t map, SegmentId id) {
+  SqliteStatement statement(database,
+                            "SELECT map, segment FROM inheritance WHERE source_map = ?1 AND "
+                            "source_segment = ?2 ORDER BY map, segment");
+  statement.Bind(map, id);
+  std::vector<std::pair<std::int64_t, SegmentId>> heirs;
+  while (true) {
+    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
+    if (!row) return heirs;
+    heirs.emplace_back(statement.Int(0), statement.Int32(1));
+  }
+}
+
+Result<std::vector<TrueRow>> ReadTrueRows(SqliteDatabase& database, std::int64_t map,
+                                          SegmentId id) {
+  MAPLOC_ASSIGN_OR_RETURN(std::vector<TrueRow> own, ReadRows(database, map, id));
+  SqliteStatement statement(database,
+                            "SELECT source_map, source_segment, segment, weight FROM inheritance "
+                            "WHERE map = ?1 AND segment = ?2 ORDER BY source_map, source_segment");
+  MAPLOC_ASSIGN_OR_RETURN(const auto shares, Collect(statement.Bind(map, id)));
+  std::vector<TrueRow> older;
+  for (const Inheritance& share : shares) {
+    MAPLOC_ASSIGN_OR_RETURN(auto rows, ReadRows(database, share.source, share.from));
+    for (TrueRow& row : rows) older.push_back(std::move(row));
+  }
+  return WithInherited(id, std::move(own), older, shares);
+}
+
+}  // namespace maploc

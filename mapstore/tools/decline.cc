@@ -1,0 +1,52 @@
+#include "mapstore/tools/decline.h"
+
+#include <algorithm>
+#include <iostream>
+
+#include "mapstore/tools/output.h"
+
+namespace maploc {
+
+std::vector<Decline> RankDeclines(const std::vector<SegmentChanges>& segments) {
+  std::vector<Decline> declines;
+  for (const SegmentChanges& segment : segments) {
+    for (const ChangePoint& change : segment.changes) {
+      if (change.after < change.before) declines.push_back({segment.segment, change});
+    }
+  }
+  std::stable_sort(declines.begin(), declines.end(),
+                   [](const Decline& a, const Decline& b) { return a.Loss() > b.Loss(); });
+  return declines;
+}
+
+nlohmann::ordered_json ToJson(const std::vector<ChangePoint>& changes) {
+  auto json = nlohmann::ordered_json::array();
+  for (const ChangePoint& change : changes) {
+    json.push_back({{"kind", ChangeKindName(change.kind)},
+                    {"since_session", change.since},
+                    {"since_unix_ns", change.since_unix_ns},
+                    {"sessions", change.sessions},
+                    {"before", change.before},
+                    {"after", change.after},
+                    {"deviation", change.deviation}});
+  }
+  return json;
+}
+
+void PrintDeclines(const std::vector<Decline>& declines) {
+  if (declines.empty()) {
+    std::cout << "\nNo segment has become worse.\n";
+    return;
+  }
+  std::cout << "\nWhere the map is dying, the worst first:\n";
+  Table table({"segment", "what fell", "from", "to", "since", "session", "sessions since"});
+  for (const Decline& decline : declines) {
+    const ChangePoint& change = decline.change;
+    table.AddRow({std::to_string(decline.segment), std::string(ChangeKindName(change.kind)),
+                  FormatNumber(change.before, 3), FormatNumber(change.after, 3),
+                  FormatTime(change.since_unix_ns), change.since, std::to_string(change.sessions)});
+  }
+  table.Print(std::cout);
+}
+
+}  // namespace maploc
