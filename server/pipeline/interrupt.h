@@ -8,6 +8,12 @@
 
 namespace maploc {
 
+// Whether a query was broken off because its time was up. An answer that it already has is then
+// told: "not localized" counts in the statistics, an error would be lost to them.
+inline bool IsOutOfTime(const Status& status) {
+  return status.code() == StatusCode::kDeadlineExceeded;
+}
+
 struct Interrupt {
   Deadline deadline = kNoDeadline;
   const std::atomic<bool>* cancelled = nullptr;  // may be null

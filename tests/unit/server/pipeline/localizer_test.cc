@@ -145,7 +145,10 @@ TEST_F(LocalizerTest, AStrategyThatFindsNothingGivesWayToTheNextBest) {
   EXPECT_TRUE(answer->evidence.fell_back);
   EXPECT_EQ(answer->strategy_source, StrategySource::kLearned);
   query.requested_strategy = Strategy::k2P;
-  EXPECT_GE(answer->evidence.iterations, Run(query)->evidence.iterations);  // of both strategies
+  const int alone = Run(query)->evidence.iterations;
+  EXPECT_GE(answer->evidence.iterations, alone);  // of both strategies
+  // The hopeless one was expected to succeed in one of five iterations, and had no more than 200.
+  EXPECT_LE(answer->evidence.iterations, 200 + 2 * alone);
 }
 
 TEST_F(LocalizerTest, TheSameRequestGivesTheSameAnswerToTheBit) {

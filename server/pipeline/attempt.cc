@@ -1,0 +1,180 @@
+#include "server/pipeline/attempt.h"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "mapstore/base/random.h"
+#include "server/pipeline/body_pose.h"
+#include "server/pipeline/judge.h"
+#include "server/pipeline/stopwatch.h"
+#include "server/ransac/estimator.h"
+#include "server/ransac/stopping.h"
+#include "server/refinement/gravity_check.h"
+#include "server/refinement/refine.h"
+
+namespace maploc {
+namespace {
+
+// Hypotheses without gravity after those with a wrong one failed: enough for matches of which a
+// sixth are right, at a cost that every query without an answer can bear.
+constexpr int kIterationsAgainstGravity = 2000;
+
+// The smallest samples of any strategy with gravity are two points, or a point and a line.
+bool CanDraw(const PoseProblem& problem) {
+  if (!problem.has_gravity) return problem.points.size() >= 3;
+  return problem.points.size() >= 2 || (!problem.points.empty() && !problem.lines.empty());
+}
+
+// The strategies whose poses are refined and judged in turn until one is LOCALIZED. The segment's
+// own ranking where nobody asked for a strategy; without gravity every sample is three points.
+std::vector<Strategy> StrategiesToTry(const QueryContext& context, const StrategyDecision& decision,
+                                      const PoseProblem& problem, bool fall_back) {
+  if (!problem.has_gravity) return {Strategy::kP3P};
+  std::vector<Strategy> strategies = {ChooseStrategy(context, decision)};
+  if (!fall_back || context.query.requested_strategy) return strategies;
+  std::ranges::copy_if(decision.ranking, std::back_inserter(strategies),
+                       [&](Strategy next) { return next != strategies.front(); });
+  return strategies;
+}
+
+// `fall_back`: to the next in the segment's ranking where `strategy` draws or finds nothing. Else
+// the judgement decides on the next, and the segment's own strategy is given no more iterations
+// than its statistics make worth while.
+Consensus Estimate(const QueryContext& context, const MapSnapshot::Entry& entry,
+                   const PoseProblem& problem, Strategy strategy, bool fall_back,
+                   StageTimes& times) {
+  const Stopwatch watch(times.ransac_ms);
+  RansacOptions options;
+  options.strategy = strategy;
+  options.fall_back = fall_back;
+  options.fallbacks.assign(entry.decision.ranking.begin(), entry.decision.ranking.end());
+  if (!problem.has_gravity && context.query.gravity) {
+    options.max_iterations = kIterationsAgainstGravity;
+  } else if (!fall_back && strategy == entry.decision.strategy) {
+    options.max_iterations = Patience(entry.decision.predicted_success, options.max_iterations);
+  }
+  options.max_reprojection_error_px = context.options.max_reprojection_error_px;
+  options.seed = Random(context.seed).Fork(entry.segment->id).Next();
+  options.deadline = context.interrupt.deadline;
+  options.cancelled = context.interrupt.cancelled;
+  Consensus consensus = EstimateConsensus(problem, options);
+  consensus.fell_back = consensus.strategy != ChooseStrategy(context, entry.decision);
+  return consensus;
+}
+
+RefineOptions Refining(const QueryContext& context) {
+  RefineOptions options;
+  options.mode = context.query.refinement;
+  options.max_reprojection_error_px = context.options.max_reprojection_error_px;
+  return options;
+}
+
+void FillEvidence(const PoseProblem& problem, const RefinedPose& pose, const Consensus& consensus,
+                  Evidence& evidence) {
+  evidence = CountEvidence(problem, pose);
+  evidence.strategy = consensus.strategy;
+  evidence.fell_back = consensus.fell_back;
+  evidence.iterations = consensus.iterations;
+}
+
+void FillPose(const QueryContext& context, const RefinedPose& pose, Localization& answer) {
+  const Rigid3& camera_from_body = context.view().camera_from_body;
+  answer.map_from_body = MapFromBody(pose.camera_from_map, camera_from_body);
+  answer.covariance = BodyCovariance(pose.covariance, pose.camera_from_map, camera_from_body);
+}
+
+// `problem` has gravity as it was sent, or not at all: then the pose was found without it, and is
+// told to contradict it where it does.
+void Judge(const QueryContext& context, const PoseProblem& problem, const RefinedPose& pose,
+           const GravityCheck& gravity, int iterations, Localization& answer) {
+  const JudgeOptions options{
+      .contradicts_gravity = problem.has_gravity && !gravity.consistent,
+      .min_confidence = context.options.min_confidence,
+      .max_reprojection_error_px = context.options.max_reprojection_error_px,
+      .iterations = iterations,
+  };
+  const Verdict verdict = JudgePose(problem, pose, context.view().camera, options);
+  answer.outcome = verdict.outcome;
+  answer.evidence.confidence = verdict.confidence;
+  answer.evidence.gravity_disagreement_rad = gravity.disagreement_rad;
+  if (verdict.outcome != Outcome::kLocalized) return;
+  answer.evidence.gravity_rejected = !gravity.consistent;
+  FillPose(context, pose, answer);
+}
+
+// What one attempt on a segment's matches works with: `problem`, and the same with the gravity that
+// was sent; the first strategy to draw by, and whether RANSAC itself may take the next ones.
+struct Attempt {
+  const MapSnapshot::Entry& entry;
+  const PoseProblem& problem;
+  const PoseProblem& as_sent;
+  Strategy strategy;
+  bool fall_back;
+};
+
+// A segment's matches through RANSAC, refinement and judgement. `iterations` counts on over all
+// attempts of a query; `times` add up.
+Result<Localization> TryStrategy(const QueryContext& context, const Attempt& attempt,
+                                 Localization answer, int& iterations, StageTimes& times) {
+  const auto& [entry, problem, as_sent, strategy, fall_back] = attempt;
+  const Consensus consensus = Estimate(context, entry, problem, strategy, fall_back, times);
+  MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
+  iterations += consensus.iterations;
+  FillEvidence(problem, RefinedPose(), consensus, answer.evidence);
+  answer.outcome = Outcome::kNoConsensus;
+  if (!consensus.found) return answer;
+
+  const Stopwatch watch(times.refinement_ms);
+  const RefinedPose pose = RefinePose(problem, consensus.camera_from_map, Refining(context));
+  if (!pose.converged) return answer;
+  FillEvidence(problem, pose, consensus, answer.evidence);
+  answer.point_match_inlier = pose.point_inliers;
+  answer.line_match_inlier = pose.line_inliers;
+  const GravityCheck gravity = CheckGravity(as_sent, pose, Refining(context));
+  Judge(context, problem, pose, gravity, iterations, answer);
+  return answer;
+}
+
+// Whether another strategy may find what this one has not. A pose that contradicts gravity was
+// found: the others would find it too.
+bool FoundNothing(Outcome outcome) {
+  return outcome != Outcome::kLocalized && outcome != Outcome::kGravityInconsistent;
+}
+
+}  // namespace
+
+Strategy ChooseStrategy(const QueryContext& context, const StrategyDecision& decision) {
+  return context.query.requested_strategy.value_or(decision.strategy);
+}
+
+Result<Localization> TryMatches(const QueryContext& context, const MapSnapshot::Entry& entry,
+                                const PoseProblem& problem, const PoseProblem& as_sent,
+                                bool fall_back, const Localization& start, int& iterations,
+                                StageTimes& times) {
+  if (!CanDraw(problem)) return start;
+  const std::vector<Strategy> strategies =
+      StrategiesToTry(context, entry.decision, problem, fall_back);
+  std::optional<Localization> told;
+  int spent = 0;
+  for (const Strategy strategy : strategies) {
+    const Attempt attempt{entry, problem, as_sent, strategy, strategies.size() == 1};
+    Result<Localization> answer = TryStrategy(context, attempt, start, iterations, times);
+    if (!answer.ok()) {
+      if (told && IsOutOfTime(answer.status())) break;
+      return answer.status();
+    }
+    spent += answer->evidence.iterations;
+    const bool last = !FoundNothing(answer->outcome);
+    if (!told || last || answer->evidence.confidence > told->evidence.confidence) {
+      told = *std::move(answer);
+    }
+    if (last) break;
+  }
+  told->evidence.iterations = spent;
+  return *std::move(told);
+}
+
+}  // namespace maploc

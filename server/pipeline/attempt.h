@@ -1,0 +1,41 @@
+// One segment's matches through RANSAC, refinement and judgement, with the segment's strategy and,
+// where that finds nothing, the next best ones.
+#pragma once
+
+#include <cstdint>
+
+#include "mapstore/base/status.h"
+#include "mapstore/model/localization.h"
+#include "mapstore/model/matches.h"
+#include "mapstore/model/query.h"
+#include "server/pipeline/interrupt.h"
+#include "server/pipeline/localizer.h"
+#include "server/pipeline/map_snapshot.h"
+
+namespace maploc {
+
+// What stays the same while one query walks through its segments.
+struct QueryContext {
+  const Query& query;
+  const MapSnapshot& map;
+  const LocalizerOptions& options;
+  Interrupt interrupt;
+  std::uint64_t seed;
+
+  const View& view() const { return query.views.front(); }
+};
+
+// The one that was asked for, else the segment's.
+Strategy ChooseStrategy(const QueryContext& context, const StrategyDecision& decision);
+
+// A segment's matches with its strategy, and with the next best ones (`fall_back`) until one finds
+// a pose to be told. Where none does, the one of the most confidence is told, of equals the first;
+// its iterations are those of all. `as_sent` is `problem` with the gravity that was sent; `start`
+// is the answer before there is a pose. `iterations` counts on over all attempts of a query;
+// `times` add up. An error where the query is interrupted before any strategy has come to an end.
+Result<Localization> TryMatches(const QueryContext& context, const MapSnapshot::Entry& entry,
+                                const PoseProblem& problem, const PoseProblem& as_sent,
+                                bool fall_back, const Localization& start, int& iterations,
+                                StageTimes& times);
+
+}  // namespace maploc
