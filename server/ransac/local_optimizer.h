@@ -3,7 +3,7 @@
 // rest. Mandatory with real gravity: without it 1 degree of noise costs five times the iterations.
 //
 // Gauss-Newton on 6 degrees of freedom, gravity as a measurement of its sigma, over features within
-// 4, 2, 1, 1 thresholds, weighted (1 - e^2 / T^2)^2 (Tukey).
+// 4 (and gravity's error), 2, 1, 1 thresholds, weighted (1 - e^2 / T^2)^2 (Tukey).
 #pragma once
 
 #include <cstdint>

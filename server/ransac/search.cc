@@ -14,13 +14,19 @@ namespace {
 // A rejected draw is drawn again this often before the iteration counts as spent.
 constexpr int kMaxRedraws = 10;
 constexpr int kPollInterval = 16;  // iterations between two looks at the clock
-// Thresholds, in units of the inlier threshold, of the steps of local optimization.
+// Thresholds, in units of the inlier threshold, of the steps of local optimization. The first also
+// covers what gravity's error does to the features outside of the sample.
 constexpr double kLocalThresholds[] = {4.0, 2.0, 1.0, 1.0};
+constexpr double kGravitySigmas = 2.0;
+constexpr double kMaxFirstThreshold = 16.0;
 
 // Runners-up are optimized while the features looked at stay below so many an iteration.
 constexpr double kRunnerUpFeatures = 3.0;
 constexpr double kRunnerUpShare = 0.5;  // of the best sampled score
 constexpr int kMinRunnerUpInliers = 3;  // one more than the sample
+// While no sample scores more than its own two features do, any is worth a try: where gravity is
+// three sigmas off, an all-inlier sample explains nothing else before it is optimized.
+constexpr double kScoreOfSample = 2.2;
 
 class Search {
  public:
@@ -35,6 +41,7 @@ class Search {
         scoring_{.threshold = static_cast<float>(threshold_),
                  .min_line_length =
                      static_cast<float>(kMinProjectedLinePx / prepared.centred.focal_length_px)},
+        first_threshold_(FirstThreshold()),
         pretest_(prepared, scoring_),
         optimizer_(prepared, strategy != Strategy::kP3P) {}
 
@@ -55,6 +62,12 @@ class Search {
   }
 
  private:
+  double FirstThreshold() const {
+    const double sigma = strategy_ == Strategy::kP3P ? 0.0 : prepared_.centred.gravity_sigma_rad;
+    return std::min(kMaxFirstThreshold * threshold_,
+                    std::hypot(kLocalThresholds[0] * threshold_, kGravitySigmas * sigma));
+  }
+
   bool Interrupted() const {
     if (options_.cancelled != nullptr && options_.cancelled->load(std::memory_order_relaxed)) {
       return true;
@@ -94,7 +107,8 @@ class Search {
   // degree off, the true pose's samples score hardly more than chance before they are optimized.
   bool IsWorthOptimizing(const Support& support) {
     if (support.score > best_sampled_score_) return true;
-    if (support.inliers < kMinRunnerUpInliers ||
+    const bool none_stands_out = best_sampled_score_ < kScoreOfSample;
+    if ((support.inliers < kMinRunnerUpInliers && !none_stands_out) ||
         support.score < kRunnerUpShare * best_sampled_score_ || runner_up_features_ <= 0) {
       return false;
     }
@@ -119,7 +133,9 @@ class Search {
   bool OptimizeLocally(PoseMatrix pose) {
     bool improved = false;
     for (const double factor : kLocalThresholds) {
-      if (!optimizer_.Step(factor * threshold_, &pose)) break;
+      const double threshold =
+          factor == kLocalThresholds[0] ? first_threshold_ : factor * threshold_;
+      if (!optimizer_.Step(threshold, &pose)) break;
       improved |= Keep(pose, Score(ToScoringPose(pose)));
     }
     return improved;
@@ -166,6 +182,7 @@ class Search {
   Sampler sampler_;
   const double threshold_;  // plane z = 1
   const ScoringOptions scoring_;
+  const double first_threshold_;  // of local optimization
   Pretest pretest_;
   LocalOptimizer optimizer_;
   double best_sampled_score_ = 0.0;
