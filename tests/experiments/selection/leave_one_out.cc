@@ -50,11 +50,6 @@ Rows RowsWithout(const std::vector<std::vector<SegmentSessionRow>>& all, int out
   return rows;
 }
 
-int SelectedMethod(const std::map<SegmentId, SegmentChoice>& choices, SegmentId segment) {
-  const auto found = choices.find(segment);
-  return AutoMethodOf(found == choices.end() ? Strategy::kMixed : found->second.decision.strategy);
-}
-
 }  // namespace
 
 std::vector<LeftOut> LeaveEachOut(const std::vector<SessionResult>& sessions,
@@ -65,11 +60,16 @@ std::vector<LeftOut> LeaveEachOut(const std::vector<SessionResult>& sessions,
     const Rows others = RowsWithout(rows, static_cast<int>(out));
     LeftOut left_out{sessions[out].name, Choose(others, selector), {}};
     for (const QueryResult& query : sessions[out].queries) {
-      left_out.selected.push_back(SelectedMethod(left_out.segments, query.segment));
+      left_out.selected.push_back(AutoMethodOf(DecisionFor(left_out, query.segment).strategy));
     }
     all.push_back(std::move(left_out));
   }
   return all;
+}
+
+StrategyDecision DecisionFor(const LeftOut& left_out, SegmentId segment) {
+  const auto found = left_out.segments.find(segment);
+  return found == left_out.segments.end() ? StrategyDecision() : found->second.decision;
 }
 
 std::map<SegmentId, SegmentChoice> ChooseForAll(const std::vector<SessionResult>& sessions,
@@ -85,18 +85,25 @@ const MethodResult& ResultOf(const QueryResult& query, int column, int selected)
   return query.methods[column == kSelection ? selected : column];
 }
 
+const LongSearch& LongSearchOf(const QueryResult& query, int column) {
+  return column == kSelection ? query.selection_to_the_end : query.methods[column].to_the_end;
+}
+
 Score ScoreOf(const std::vector<ScoredQuery>& queries, int column) {
   Score score;
-  std::vector<std::optional<PoseError>> errors;
+  std::vector<std::optional<PoseError>> errors, long_errors;
   for (const auto& [query, selected] : queries) {
     const MethodResult& result = ResultOf(*query, column, selected);
     errors.insert(errors.end(), result.errors.begin(), result.errors.end());
-    score.mean_long_iterations += result.long_iterations;
-    score.mean_long_ms += result.long_ms;
+    const LongSearch& search = LongSearchOf(*query, column);
+    long_errors.push_back(search.error);
+    score.mean_long_iterations += static_cast<double>(search.iterations);
+    score.mean_long_ms += search.ms;
   }
   const Metrics metrics = Summarize(errors);
   score.auc = metrics.auc;
   score.recall = metrics.recall;
+  score.long_recall = Summarize(long_errors).recall.front();
   const double count = std::max<double>(1.0, static_cast<double>(queries.size()));
   score.mean_long_iterations /= count;
   score.mean_long_ms /= count;

@@ -36,6 +36,9 @@ struct LeftOut {
 std::vector<LeftOut> LeaveEachOut(const std::vector<SessionResult>& sessions,
                                   const SelectorOptions& selector);
 
+// The decision where the query is; mixed where no other session taught any.
+StrategyDecision DecisionFor(const LeftOut& left_out, SegmentId segment);
+
 // What all sessions together teach.
 std::map<SegmentId, SegmentChoice> ChooseForAll(const std::vector<SessionResult>& sessions,
                                                 const SelectorOptions& selector);
@@ -45,8 +48,11 @@ inline constexpr int kSelection = kMethodCount;
 inline constexpr int kColumnCount = kMethodCount + 1;
 std::string_view ColumnName(int column);
 
-// The result behind a column.
+// The result of the first pass behind a column.
 const MethodResult& ResultOf(const QueryResult& query, int column, int selected);
+// Its search in the second pass. The selection's is not that of the method that was selected: it
+// gives up.
+const LongSearch& LongSearchOf(const QueryResult& query, int column);
 
 // A query with what was selected for it.
 struct ScoredQuery {
@@ -59,6 +65,7 @@ struct Score {
   std::array<double, 4> recall{};  // at kRecallThresholds
   double mean_long_iterations = 0.0;
   double mean_long_ms = 0.0;
+  double long_recall = 0.0;  // of the long search, at the first of kRecallThresholds
 };
 
 Score ScoreOf(const std::vector<ScoredQuery>& queries, int column);

@@ -1,10 +1,10 @@
 #include "tests/experiments/selection/methods.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "server/ransac/estimator.h"
-#include "server/refinement/refine.h"
 #include "tests/experiments/methods/cpu_timer.h"
 #include "tests/experiments/methods/method.h"
 
@@ -45,10 +45,11 @@ Attempt Refined(const PoseProblem& problem, Attempt attempt, Refinement mode) {
   const CpuTimer timer;
   RefineOptions options;
   options.mode = mode;
-  const RefinedPose pose = RefinePose(problem, *attempt.camera_from_map, options);
+  RefinedPose pose = RefinePose(problem, *attempt.camera_from_map, options);
+  attempt.ms += timer.ElapsedMs();
   attempt.camera_from_map.reset();
   if (pose.converged) attempt.camera_from_map = pose.camera_from_map;
-  attempt.ms += timer.ElapsedMs();
+  attempt.refined = std::move(pose);
   return attempt;
 }
 
@@ -70,7 +71,7 @@ Attempt TryBaseline(int method, const PoseProblem& problem, const SearchLimits& 
   options.seed = seed;
   const experiments::MethodAnswer answer =
       experiments::MethodByName(kMethods[method]).solve(PointsAlone(problem), options);
-  return {answer.camera_from_map, answer.iterations, answer.ransac_ms, answer.ms};
+  return {answer.camera_from_map, answer.iterations, answer.ransac_ms, answer.ms, {}};
 }
 
 }  // namespace
@@ -89,31 +90,18 @@ std::vector<Attempt> TryAllMethods(const PoseProblem& problem, const SearchLimit
     const Attempt search = Search(problem, strategy, limits, seed);
     for (const Refinement mode : kRefinements) attempts[method++] = Refined(problem, search, mode);
   }
-  attempts[kP3pMethod] = TryBaseline(kP3pMethod, problem, limits, seed);
+  attempts[kP3pMethod] = TryP3p(problem, limits, seed);
   attempts[kEpnpMethod] = TryBaseline(kEpnpMethod, problem, limits, seed);
   return attempts;
 }
 
-std::vector<Attempt> TryToTheEnd(const PoseProblem& problem, const SearchLimits& limits,
-                                 std::uint64_t seed) {
-  constexpr int kCount = static_cast<int>(kStrategies.size());
-  std::array<std::vector<double>, kStrategies.size()> times_ms;
-  std::vector<Attempt> attempts(kMethods.size());
-  for (int round = 0; round < kCount; ++round) {
-    for (int i = 0; i < kCount; ++i) {
-      const int place = static_cast<int>((static_cast<std::uint64_t>(i + round) + seed) % kCount);
-      Attempt& attempt = attempts[AutoMethodOf(kStrategies[place])];
-      attempt =
-          Refined(problem, Search(problem, kStrategies[place], limits, seed), Refinement::kAuto);
-      times_ms[place].push_back(attempt.ms);
-    }
-  }
-  for (int place = 0; place < kCount; ++place) {
-    std::ranges::sort(times_ms[place]);
-    attempts[AutoMethodOf(kStrategies[place])].ms = times_ms[place][kCount / 2];
-  }
-  attempts[kP3pMethod] = TryBaseline(kP3pMethod, problem, limits, seed);
-  return attempts;
+Attempt TryStrategy(const PoseProblem& problem, Strategy strategy, const SearchLimits& limits,
+                    std::uint64_t seed) {
+  return Refined(problem, Search(problem, strategy, limits, seed), Refinement::kAuto);
+}
+
+Attempt TryP3p(const PoseProblem& problem, const SearchLimits& limits, std::uint64_t seed) {
+  return TryBaseline(kP3pMethod, problem, limits, seed);
 }
 
 }  // namespace maploc::selection

@@ -10,6 +10,7 @@
 #include "mapstore/geometry/rigid3.h"
 #include "mapstore/model/matches.h"
 #include "mapstore/model/strategy.h"
+#include "server/refinement/refine.h"
 
 namespace maploc::selection {
 
@@ -36,6 +37,7 @@ struct Attempt {
   int iterations = 0;
   double search_ms = 0.0;  // processor time of this thread
   double ms = 0.0;         // with refinement
+  RefinedPose refined;     // that camera_from_map is of; not of `p3p` and `epnp`
 };
 
 // One a method, in the order of kMethods. All strategies draw from the same seed; a strategy's
@@ -44,10 +46,9 @@ struct Attempt {
 std::vector<Attempt> TryAllMethods(const PoseProblem& problem, const SearchLimits& limits,
                                    std::uint64_t seed);
 
-// The same for the strategies with automatic refinement and P3P alone; the others are left empty.
-// Each is run three times, every time in another order (who comes first finds cold caches), and the
-// median time counts.
-std::vector<Attempt> TryToTheEnd(const PoseProblem& problem, const SearchLimits& limits,
-                                 std::uint64_t seed);
+// One of them: a strategy with the refinement that the product uses, or P3P.
+Attempt TryStrategy(const PoseProblem& problem, Strategy strategy, const SearchLimits& limits,
+                    std::uint64_t seed);
+Attempt TryP3p(const PoseProblem& problem, const SearchLimits& limits, std::uint64_t seed);
 
 }  // namespace maploc::selection

@@ -32,13 +32,14 @@ Json ScoresJson(const SelectionResult& result, const std::vector<ScoredQuery>& q
 }
 
 Json LongJson(const SelectionResult& result, const std::vector<ScoredQuery>& queries) {
-  Json iterations, ms;
+  Json iterations, ms, recall;
   for (const int column : LongColumnsOf(result)) {
     const Score score = ScoreOf(queries, column);
     iterations[std::string(ColumnName(column))] = score.mean_long_iterations;
     ms[std::string(ColumnName(column))] = score.mean_long_ms;
+    recall[std::string(ColumnName(column))] = score.long_recall;
   }
-  return {{"mean_iterations", iterations}, {"mean_ms", ms}};
+  return {{"mean_iterations", iterations}, {"mean_ms", ms}, {"recall_to_the_end", recall}};
 }
 
 Json SegmentJson(const SelectionResult& result, std::size_t session, SegmentId segment,

@@ -2,6 +2,7 @@
 
 #include "tests/experiments/selection/campus_set.h"
 #include "tests/experiments/selection/recorded_folder.h"
+#include "tests/experiments/selection/second_pass.h"
 
 namespace maploc::selection {
 namespace {
@@ -47,6 +48,9 @@ Result<SelectionResult> RunSelection(const SelectionFlags& flags, const Progress
   }
   LabelByRatios(result.sessions, flags.selector);
   result.left_out = LeaveEachOut(result.sessions, flags.selector);
+  for (std::size_t i = 0; i < result.sessions.size(); ++i) {
+    RunSecondPass(set.sessions[i], result.left_out[i], flags.trials, result.sessions[i]);
+  }
   return result;
 }
 

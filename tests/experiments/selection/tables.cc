@@ -75,7 +75,8 @@ void PrintAuc(const SelectionResult& result, std::ostream& out) {
 
 void PrintLong(const SelectionResult& result, std::ostream& out) {
   out << "\nSecond pass, to a confidence of 0.999 and at most 100,000 iterations: mean iterations; "
-         "mean ms of a query (processor time, search and refinement)\n";
+         "mean ms of a query (processor time, search and refinement); % within 0.25 m and 2 "
+         "degrees\n";
   std::vector<std::string> header = {"left out"};
   for (const int column : LongColumnsOf(result)) header.emplace_back(ColumnName(column));
   Table table(header);
@@ -84,7 +85,8 @@ void PrintLong(const SelectionResult& result, std::ostream& out) {
     for (const int column : LongColumnsOf(result)) {
       const Score score = ScoreOf(group.queries, column);
       cells.push_back(FormatNumber(score.mean_long_iterations, 0) + "; " +
-                      FormatNumber(score.mean_long_ms, 3));
+                      FormatNumber(score.mean_long_ms, 3) + "; " +
+                      FormatNumber(100.0 * score.long_recall, 1));
     }
     table.AddRow(cells);
   }

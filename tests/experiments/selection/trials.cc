@@ -23,12 +23,6 @@ std::optional<int> BestSegment(const Query& query, const MapSnapshot& map) {
   return ranked.empty() ? std::nullopt : std::optional<int>(ranked.front());
 }
 
-std::optional<PoseError> ErrorOf(const Attempt& attempt, const SetQuery& query) {
-  if (!attempt.camera_from_map) return std::nullopt;
-  const Rigid3& camera_from_body = query.query.views.front().camera_from_body;
-  return ErrorBetween(MapFromBody(*attempt.camera_from_map, camera_from_body), query.map_from_body);
-}
-
 Result<Observation> Observe(const SetQuery& query, const MapSnapshot& map, std::int64_t sequence) {
   MAPLOC_ASSIGN_OR_RETURN(const Localization answer,
                           Localize(query.query, map, LocalizerOptions{}, kNoDeadline, nullptr));
@@ -53,16 +47,6 @@ void TryShort(const SetQuery& query, const PoseProblem& problem, const TrialOpti
   }
 }
 
-void TryLong(const SetQuery& query, const PoseProblem& problem, const TrialOptions& options,
-             QueryResult& result) {
-  const std::uint64_t seed = HashBytes(query.name + "#long", options.seed);
-  const std::vector<Attempt> attempts = TryToTheEnd(problem, options.long_search, seed);
-  for (int i = 0; i < kMethodCount; ++i) {
-    result.methods[i].long_iterations = attempts[i].iterations;
-    result.methods[i].long_ms = attempts[i].ms;
-  }
-}
-
 QueryResult TryQuery(const SelectionSet& set, const SetQuery& query, const TrialOptions& options) {
   QueryResult result;
   result.scene = query.scene;
@@ -74,15 +58,20 @@ QueryResult TryQuery(const SelectionSet& set, const SetQuery& query, const Trial
   const Segment& segment = *set.map->segments[*best].segment;
   result.segment = segment.id;
   const View& view = query.query.views.front();
-  const MatchedProblem matched =
-      BuildPoseProblem(MatchSegment(view, segment), view, segment, query.query.gravity);
-  TryShort(query, matched.problem, options, result);
-  TryLong(query, matched.problem, options, result);
+  result.problem =
+      BuildPoseProblem(MatchSegment(view, segment), view, segment, query.query.gravity).problem;
+  TryShort(query, result.problem, options, result);
   for (MethodResult& method : result.methods) method.credit = AreaUnderCurve(method.errors);
   return result;
 }
 
 }  // namespace
+
+std::optional<PoseError> ErrorOf(const Attempt& attempt, const SetQuery& query) {
+  if (!attempt.camera_from_map) return std::nullopt;
+  const Rigid3& camera_from_body = query.query.views.front().camera_from_body;
+  return ErrorBetween(MapFromBody(*attempt.camera_from_map, camera_from_body), query.map_from_body);
+}
 
 Result<std::vector<QueryResult>> RunTrials(const SelectionSet& set, const SetSession& session,
                                            const TrialOptions& options,
