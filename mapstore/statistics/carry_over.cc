@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <unordered_map>
@@ -49,8 +50,10 @@ class Grid {
     double best = tolerance_ * tolerance_;
     const Cell at = CellOf(position);
     for (int neighbour = 0; neighbour < 27; ++neighbour) {
-      const auto found = cells_.find(
-          {at[0] + neighbour % 3 - 1, at[1] + neighbour / 3 % 3 - 1, at[2] + neighbour / 9 - 1});
+      const std::div_t plane = std::div(neighbour, 9);
+      const std::div_t row = std::div(plane.rem, 3);
+      const auto found =
+          cells_.find({at[0] + row.rem - 1, at[1] + row.quot - 1, at[2] + plane.quot - 1});
       if (found == cells_.end()) continue;
       for (const int i : found->second) {
         const double distance = (positions_[static_cast<std::size_t>(i)] - position).squaredNorm();
