@@ -54,7 +54,8 @@ Consensus Estimate(const QueryContext& context, const MapSnapshot::Entry& entry,
   if (!problem.has_gravity && context.query.gravity) {
     options.max_iterations = kIterationsAgainstGravity;
   } else if (!fall_back && strategy == entry.decision.strategy) {
-    options.max_iterations = Patience(entry.decision.predicted_success, options.max_iterations);
+    options.max_iterations =
+        Patience(strategy, entry.decision.predicted_success, options.max_iterations);
   }
   options.max_reprojection_error_px = context.options.max_reprojection_error_px;
   options.seed = Random(context.seed).Fork(entry.segment->id).Next();

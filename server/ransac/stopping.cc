@@ -45,11 +45,11 @@ int RequiredIterations(double draw_probability, double yield, double confidence,
   return static_cast<int>(std::clamp(std::ceil(needed), 1.0, static_cast<double>(max_iterations)));
 }
 
-int Patience(double predicted_success, int max_iterations) {
+int Patience(Strategy strategy, double predicted_success, int max_iterations) {
   constexpr double kAllButSure = 0.999;
   constexpr int kTimes = 4;
   constexpr int kLeast = 200;
-  if (predicted_success <= 0) return max_iterations;
+  if (strategy == Strategy::kMixed || predicted_success <= 0) return max_iterations;
   const int expected = RequiredIterations(predicted_success, 1.0, kAllButSure, max_iterations);
   const auto patience = std::max<std::int64_t>(kLeast, std::int64_t{kTimes} * expected);
   return static_cast<int>(std::min<std::int64_t>(patience, max_iterations));

@@ -34,7 +34,8 @@ int RequiredIterations(double draw_probability, double yield, double confidence,
 // Iterations after which a strategy that was expected to succeed with `predicted_success` an
 // iteration is given up for the next: four times what it needs to be all but sure of success, and
 // no fewer than 200. A query without a match of the kind that its segment's strategy draws would
-// else pay for `max_iterations`. No prediction (0): `max_iterations`.
-int Patience(double predicted_success, int max_iterations);
+// else pay for `max_iterations`. No prediction (0): `max_iterations`; so for mixed, which draws of
+// every kind: what it does not find soon is hard to find for the others too.
+int Patience(Strategy strategy, double predicted_success, int max_iterations);
 
 }  // namespace maploc

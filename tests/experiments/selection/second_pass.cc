@@ -62,7 +62,8 @@ Attempt TryAsDecided(const PoseProblem& problem, const Camera& camera,
                      std::uint64_t seed) {
   SearchLimits own = limits;
   own.fall_back = false;
-  own.max_iterations = Patience(decision.predicted_success, limits.max_iterations);
+  own.max_iterations =
+      Patience(decision.strategy, decision.predicted_success, limits.max_iterations);
   Attempt whole;
   for (const Strategy strategy : decision.ranking) {
     const Attempt attempt = TryStrategy(problem, strategy, own, seed);

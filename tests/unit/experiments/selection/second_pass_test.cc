@@ -38,7 +38,8 @@ Camera TestCamera() {
 
 TEST(SecondPassTest, HopelessStrategyCostsItsPatienceAndTheNextOnesIterations) {
   const StrategyDecision decision = LinesExpected();
-  const int patience = Patience(decision.predicted_success, kLimits.max_iterations);
+  const int patience =
+      Patience(decision.strategy, decision.predicted_success, kLimits.max_iterations);
   int given_up = 0;
   for (int i = 0; i < 10; ++i) {
     const PoseProblem problem = Problem(0, 40, i);
@@ -91,7 +92,8 @@ TEST(SecondPassTest, SessionIsSearchedByTheDecisionOfItsSegment) {
   RunSecondPass({"left out", {query, query}}, left_out, TrialOptions(), session);
   const LongSearch selected = LongSearchOf(session.queries[0], kSelection);
   const LongSearch mixed = LongSearchOf(session.queries[0], AutoMethodOf(Strategy::kMixed));
-  const int patience = Patience(LinesExpected().predicted_success, kLimits.max_iterations);
+  const int patience =
+      Patience(Strategy::k1P1L, LinesExpected().predicted_success, kLimits.max_iterations);
   EXPECT_GE(selected.iterations, patience);
   EXPECT_LE(selected.iterations, patience + mixed.iterations);
   EXPECT_TRUE(selected.error.has_value());

@@ -45,12 +45,13 @@ TEST(RequiredIterations, StaysWithinItsBounds) {
 
 TEST(Patience, IsSomeTimesWhatIsExpected) {
   // 1 - (1 - 0.01)^n >= 0.999 for n = 687.3; four times that.
-  EXPECT_EQ(Patience(0.01, 100000), 2752);
-  EXPECT_EQ(Patience(0.01, 1000), 1000);
-  EXPECT_EQ(Patience(0.9, 100000), 200);
-  EXPECT_EQ(Patience(0.9, 100), 100);
-  EXPECT_EQ(Patience(0.0, 12345), 12345) << "nothing was expected";
-  EXPECT_EQ(Patience(1e-9, 12345), 12345);
+  EXPECT_EQ(Patience(Strategy::k1P1L, 0.01, 100000), 2752);
+  EXPECT_EQ(Patience(Strategy::k1P1L, 0.01, 1000), 1000);
+  EXPECT_EQ(Patience(Strategy::k1P1L, 0.9, 100000), 200);
+  EXPECT_EQ(Patience(Strategy::k1P1L, 0.9, 100), 100);
+  EXPECT_EQ(Patience(Strategy::k1P1L, 0.0, 12345), 12345) << "nothing was expected";
+  EXPECT_EQ(Patience(Strategy::kMixed, 0.9, 12345), 12345) << "mixed draws whatever there is";
+  EXPECT_EQ(Patience(Strategy::k1P1L, 1e-9, 12345), 12345);
 }
 
 }  // namespace
