@@ -1,10 +1,16 @@
 #include "server/pipeline/judge.h"
 
+#include <algorithm>
+
 #include "mapstore/geometry/line.h"
+#include "server/pipeline/rival.h"
 #include "server/refinement/confidence.h"
 
 namespace maploc {
 namespace {
+
+// Of a pose with a rival: one of the two is wrong at least.
+constexpr double kRivalledConfidence = 0.5;
 
 void Count(bool inlier, FeatureCounts& counts) {
   ++counts.matches;
@@ -28,6 +34,10 @@ Verdict JudgePose(const PoseProblem& problem, const RefinedPose& pose, const Cam
   };
   Verdict verdict;
   verdict.confidence = PoseConfidence(problem, pose, confidence);
+  if (verdict.confidence >= options.min_confidence &&
+      HasRival(problem, pose, options.max_reprojection_error_px)) {
+    verdict.confidence = std::min(kRivalledConfidence, options.min_confidence / 2);
+  }
   if (verdict.confidence < options.min_confidence) {
     verdict.outcome = Outcome::kLowConfidence;
   } else if (options.contradicts_gravity) {

@@ -22,8 +22,9 @@ struct Verdict {
   double confidence = 0.0;
 };
 
-// LOW_CONFIDENCE below the bar; above it GRAVITY_INCONSISTENT when the matches contradict the
-// gravity that was sent (gravity_check.h); else LOCALIZED.
+// LOW_CONFIDENCE below the bar, and where the matches that are left over hold another pose nearly
+// as well (rival.h); above it GRAVITY_INCONSISTENT when the matches contradict the gravity that was
+// sent (gravity_check.h); else LOCALIZED.
 Verdict JudgePose(const PoseProblem& problem, const RefinedPose& pose, const Camera& camera,
                   const JudgeOptions& options);
 

@@ -85,7 +85,9 @@ class Measurements {
     Jacobian26 jacobian;
     if (!LineReprojection(pose_, line, &error, &jacobian)) return;
     jacobians_.push_back(jacobian);
-    depths_.push_back(Depth(line.segment_in_map.start));
+    // Of the middle of what is in front: a line may begin behind the camera.
+    depths_.push_back(0.5 * (std::max(Depth(line.segment_in_map.start), 0.0) +
+                             std::max(Depth(line.segment_in_map.end), 0.0)));
   }
 
   Eigen::Vector3d origin_;
@@ -129,6 +131,7 @@ bool IsDetermined(const PoseProblem& problem, const RefinedPose& pose,
           ? SoftGravityCovariance(information, problem.gravity_in_camera, problem.gravity_sigma_rad)
           : FreeCovariance(information);
   const double position = limit.position_share * measurements.MedianDepth();
+  if (!(position > 0)) return false;
   const double with_all =
       ShareOfLimit(measurements.pose(), covariance, limit.rotation_rad, position);
   if (!(with_all <= 1.0)) return false;

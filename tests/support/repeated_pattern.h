@@ -16,4 +16,16 @@ struct RepeatedPatternOptions {
 
 PoseProblem MakeRepeatedPattern(const RepeatedPatternOptions& options, Random& random);
 
+struct RepeatedCorridorOptions {
+  int doors = 8;  // a wall, 2 to 4 m apart
+  int spots = 6;  // a door
+  int walls = 2;  // 1 or 2
+  double gravity_sigma_rad = 0.017;
+};
+
+// Equal doors along a corridor, seen along it, without one true match: each spot of a door is taken
+// for the same spot of another door, one to one. A step of the pattern moves what is near by more
+// than what is far, so that wrong matches are not shifted alike in the image.
+PoseProblem MakeRepeatedCorridor(const RepeatedCorridorOptions& options, Random& random);
+
 }  // namespace maploc::testing

@@ -1,0 +1,25 @@
+// A second opinion: do the matches that a pose leaves over hold another pose nearly as well?
+//
+// Where a pattern repeats in depth (doors along a corridor, windows of an oblique facade), wrong
+// matches agree with the camera moved by one step, and others with the camera moved by two. The
+// test against chance cannot see it: such agreement is no chance. But truth has no rival: what is
+// left over under the true pose is wrong in many ways.
+#pragma once
+
+#include "mapstore/model/matches.h"
+#include "server/refinement/refine.h"
+
+namespace maploc {
+
+// Whether the outliers of `pose` hold another pose with at least kRivalShare of its inliers, and
+// kLeastRival. Another: fewer than half of the pose's own inliers agree with it too (the tail of
+// one pose's noise is no rival). Samples are drawn with gravity where the problem has it. At most
+// kRivalIterations; nothing where too little is left over. Deterministic; thread-safe.
+bool HasRival(const PoseProblem& problem, const RefinedPose& pose,
+              double max_reprojection_error_px);
+
+inline constexpr double kRivalShare = 0.4;
+inline constexpr int kLeastRival = 5;
+inline constexpr int kRivalIterations = 500;
+
+}  // namespace maploc

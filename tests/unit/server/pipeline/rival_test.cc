@@ -1,0 +1,94 @@
+#include "server/pipeline/rival.h"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "server/pipeline/judge.h"
+#include "server/ransac/estimator.h"
+#include "server/refinement/confidence.h"
+#include "tests/support/repeated_pattern.h"
+#include "tests/support/seed.h"
+#include "tests/support/synthetic_problem.h"
+
+namespace maploc::testing {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kThresholdPx = 4.0;
+
+struct Judged {
+  bool beyond_chance = false;  // the test against chance alone would tell it
+  bool localized = false;
+};
+
+Judged Judge(const PoseProblem& problem, std::uint64_t seed) {
+  RansacOptions ransac;
+  ransac.seed = seed;
+  const Consensus consensus = EstimateConsensus(problem, ransac);
+  if (!consensus.found) return {};
+  const RefinedPose pose = RefinePose(problem, consensus.camera_from_map, {});
+  ConfidenceOptions confidence;
+  confidence.iterations = consensus.iterations;
+  const Camera camera =
+      Camera::Create(CameraModel::kSimplePinhole, 640, 480, {500, 319.5, 239.5}).value();
+  JudgeOptions judge;
+  judge.iterations = consensus.iterations;
+  return {PoseConfidence(problem, pose, confidence) >= judge.min_confidence,
+          JudgePose(problem, pose, camera, judge).outcome == Outcome::kLocalized};
+}
+
+// Wrong matches of a pattern in depth agree with a pose by no chance, and have no truth in them.
+TEST(Rival, DoorsAlongACorridorAreNotBelieved) {
+  Random random = TestRandom();
+  int beyond_chance = 0;
+  int localized = 0;
+  for (int i = 0; i < 360; ++i) {
+    RepeatedCorridorOptions options;
+    options.walls = 1 + i % 2;
+    options.spots = i % 3 == 0 ? 3 : i % 3 == 1 ? 6 : 12;
+    options.doors = 6 + 2 * (i / 6 % 3);
+    const PoseProblem problem = MakeRepeatedCorridor(options, random);
+    const Judged judged = Judge(problem, random.Next());
+    beyond_chance += judged.beyond_chance ? 1 : 0;
+    localized += judged.localized ? 1 : 0;
+  }
+  EXPECT_GT(beyond_chance, 30) << "else the corridors test nothing";
+  EXPECT_LE(localized, beyond_chance / 10) << "of 360";
+}
+
+// What is left over under the true pose is wrong in many ways, and holds no other.
+TEST(Rival, TruthHasNone) {
+  Random random = TestRandom();
+  int told = 0;
+  int kept = 0;
+  for (int i = 0; i < 150; ++i) {
+    SyntheticOptions options;
+    options.scene = i % 2 == 0 ? Scene::kCube : Scene::kCorridor;
+    options.outliers = i % 4 < 2 ? Outliers::kRandomPixels : Outliers::kWrongAssociations;
+    options.point_inliers = 12 + i % 20;
+    options.point_outliers = 20 + 3 * (i % 40);
+    options.line_inliers = i % 3 == 0 ? 0 : 10;
+    options.line_outliers = i % 3 == 0 ? 0 : 20;
+    options.gravity_noise_rad = options.gravity_sigma_rad = 1.0 * kDegree;
+    const SyntheticProblem made = MakeSyntheticProblem(options, random);
+    const Judged judged = Judge(made.problem, random.Next());
+    told += judged.beyond_chance ? 1 : 0;
+    kept += judged.localized ? 1 : 0;
+  }
+  EXPECT_GT(told, 120);
+  EXPECT_GE(kept, told - told / 50);
+}
+
+TEST(Rival, NeedsSomethingLeftOver) {
+  Random random = TestRandom();
+  SyntheticOptions options;
+  options.point_inliers = 20;
+  options.point_outliers = 4;
+  const SyntheticProblem made = MakeSyntheticProblem(options, random);
+  const RefinedPose pose = RefinePose(made.problem, made.camera_from_map, {});
+  EXPECT_FALSE(HasRival(made.problem, pose, kThresholdPx));
+}
+
+}  // namespace
+}  // namespace maploc::testing
