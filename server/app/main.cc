@@ -12,12 +12,19 @@
 
 namespace {
 
+// Under nohup it is; a signal that is blocked would be queued all the same, and end the server.
+bool IsIgnored(int signal) {
+  struct sigaction action {};
+  return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 // Blocked before any thread starts, so that every thread leaves them to the waiting main thread.
-// SIGHUP too: a terminal that closes ends the server as cleanly (under nohup it stays ignored).
+// SIGHUP too: a terminal that closes ends the server as cleanly.
 sigset_t BlockStopSignals() {
   sigset_t signals;
   sigemptyset(&signals);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
+  for (const int signal : {SIGTERM, SIGINT}) sigaddset(&signals, signal);
+  if (!IsIgnored(SIGHUP)) sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
 }

@@ -1,6 +1,8 @@
 // The real binary as a process: what a signal in the middle of the work loses (nothing), and what
 // it says when it cannot start.
 #include <atomic>
+#include <csignal>
+#include <cstring>
 #include <fstream>
 #include <thread>
 
@@ -127,6 +129,23 @@ TEST_F(BinaryTest, AnInterruptOrAClosedTerminalIsACleanEndToo) {
     EXPECT_EQ(server.Wait(), 0) << Read("stderr");
     EXPECT_FALSE(std::filesystem::exists(folder_.File("port")));
   }
+}
+
+TEST_F(BinaryTest, UnderNohupItOutlivesTheTerminal) {
+  const auto before = std::signal(SIGHUP, SIG_IGN);  // inherited, as nohup does it
+  Process server(Command(), folder_.File("stderr"));
+  std::signal(SIGHUP, before);
+  const std::string address = WaitForAddress();
+
+  server.Signal(SIGHUP);
+  EXPECT_TRUE(Client(address).ListMaps().ok());
+  server.Signal(SIGTERM);
+
+  EXPECT_EQ(server.Wait(), 0) << Read("stderr");
+  // Of two that wait the lower number is taken first: a queued SIGHUP would be named here.
+  const std::string said = Read("stderr");
+  EXPECT_NE(said.find(strsignal(SIGTERM)), std::string::npos) << said;
+  EXPECT_EQ(said.find(strsignal(SIGHUP)), std::string::npos) << said;
 }
 
 TEST_F(BinaryTest, ALogThatNobodyReadsAnyMoreDoesNotEndIt) {
