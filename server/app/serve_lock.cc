@@ -10,10 +10,19 @@
 namespace maploc {
 namespace {
 
-// One store has one lock, by whatever name it is opened.
+namespace fs = std::filesystem;
+
+constexpr int kMaxLinks = 40;  // as the kernel
+
+// One store has one lock, by whatever name it is opened, and before it is made.
 std::string LockPath(const std::string& store_path) {
   std::error_code error;
-  const std::filesystem::path real = std::filesystem::canonical(store_path, error);
+  fs::path path = store_path;
+  // weakly_canonical stops at a link to what does not exist yet; SQLite makes the store behind it.
+  for (int i = 0; i < kMaxLinks && fs::is_symlink(path, error) && !fs::exists(path, error); ++i) {
+    path = path.parent_path() / fs::read_symlink(path, error);
+  }
+  const fs::path real = fs::weakly_canonical(path, error);
   return (error ? store_path : real.string()) + "-server";
 }
 

@@ -13,8 +13,8 @@ namespace maploc {
 // Held while it lives.
 class ServeLock {
  public:
-  // The file is STORE-server, of the path without links. UNAVAILABLE: STORE_IN_USE when another
-  // server, also one of this process, holds it; CANNOT_LOCK.
+  // The file is STORE-server, of the path without links; the store itself need not exist yet.
+  // UNAVAILABLE: STORE_IN_USE when another server, also one of this process, holds it; CANNOT_LOCK.
   static Result<ServeLock> Acquire(const std::string& store_path);
 
   ServeLock(ServeLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}

@@ -46,10 +46,11 @@ Server::Server(const ServerOptions& options, std::unique_ptr<MapStore> store, Se
     : options_(options), lock_(std::move(lock)), store_(std::move(store)) {}
 
 Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
+  // First: until it is held, port file and store may be another server's.
+  MAPLOC_ASSIGN_OR_RETURN(ServeLock lock, ServeLock::Acquire(options.store));
   // A port of an earlier run must not be taken for ours.
   if (!options.port_file.empty()) RemovePortFile(options.port_file);
   MAPLOC_ASSIGN_OR_RETURN(std::unique_ptr<MapStore> store, OpenStore(options.store));
-  MAPLOC_ASSIGN_OR_RETURN(ServeLock lock, ServeLock::Acquire(options.store));
   std::unique_ptr<Server> server(new Server(options, std::move(store), std::move(lock)));
   MAPLOC_RETURN_IF_ERROR(server->StartDomain());
   MAPLOC_RETURN_IF_ERROR(server->Listen());

@@ -27,9 +27,9 @@ inline constexpr std::chrono::seconds kDrainTime{10};
 
 class Server {
  public:
-  // Opens (or makes) the store, sweeps abandoned imports, takes up open sessions, listens, and
-  // writes the port file: when it returns ok, the server answers. Errors name the cause and the
-  // cure.
+  // Takes the store's lock (refused, it has touched nothing), opens (or makes) the store, sweeps
+  // abandoned imports, takes up open sessions, listens, and writes the port file: when it returns
+  // ok, the server answers. Errors name the cause and the cure.
   static Result<std::unique_ptr<Server>> Start(const ServerOptions& options);
   // Shuts down.
   ~Server();

@@ -131,6 +131,18 @@ TEST_F(BinaryTest, AnInterruptOrAClosedTerminalIsACleanEndToo) {
   }
 }
 
+TEST_F(BinaryTest, TheSameCommandASecondTimeIsRefusedAndTouchesNothing) {
+  Process server(Command(), folder_.File("stderr"));
+  const std::string address = WaitForAddress();
+
+  Process second(Command(), folder_.File("second"));
+
+  EXPECT_EQ(second.Wait(), 1);
+  EXPECT_NE(Read("second").find("STORE_IN_USE"), std::string::npos) << Read("second");
+  EXPECT_EQ("127.0.0.1:" + Read("port"), address + "\n");
+  EXPECT_TRUE(Client(address).ListMaps().ok());
+}
+
 TEST_F(BinaryTest, UnderNohupItOutlivesTheTerminal) {
   const auto before = std::signal(SIGHUP, SIG_IGN);  // inherited, as nohup does it
   Process server(Command(), folder_.File("stderr"));

@@ -122,6 +122,17 @@ TEST_F(LifecycleTest, ASecondServerOnTheStoreIsRefused) {
   RestartServer();  // the first one let go of it
 }
 
+TEST_F(LifecycleTest, AStoreMadeBehindALinkHasOneLockToo) {
+  ServerOptions fresh = options_;
+  fresh.port_file.clear();
+  fresh.store = folder_.File("link");
+  std::filesystem::create_symlink("fresh", fresh.store);
+  const Result<std::unique_ptr<Server>> first = Server::Start(fresh);
+  ASSERT_TRUE(first.ok()) << first.status().ToString();
+  fresh.store = folder_.File("fresh");
+  EXPECT_EQ(Server::Start(fresh).status().reason(), "STORE_IN_USE");
+}
+
 TEST_F(LifecycleTest, AMissingStoreIsMade) {
   ServerOptions fresh = options_;
   fresh.store = folder_.File("fresh");
