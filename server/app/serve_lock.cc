@@ -26,23 +26,33 @@ std::string LockPath(const std::string& store_path) {
   return (error ? store_path : real.string()) + "-server";
 }
 
+Status CannotLock(const std::string& path, int error, const std::string& what,
+                  const std::string& cure) {
+  return Status(StatusCode::kUnavailable, "CANNOT_LOCK",
+                path + ": " + what + " (" + std::strerror(error) + "); " + cure);
+}
+
 }  // namespace
 
 Result<ServeLock> ServeLock::Acquire(const std::string& store_path) {
   const std::string path = LockPath(store_path);
   ServeLock lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+  if (lock.file_ < 0) {
+    return CannotLock(path, errno, "cannot be opened",
+                      "the store's folder must exist, and the server be allowed to write in it");
+  }
   struct flock whole_file {};
   whole_file.l_type = F_WRLCK;
   whole_file.l_whence = SEEK_SET;
-  if (lock.file_ >= 0 && fcntl(lock.file_, F_OFD_SETLK, &whole_file) == 0) return lock;
+  if (fcntl(lock.file_, F_OFD_SETLK, &whole_file) == 0) return lock;
   if (errno == EAGAIN || errno == EACCES) {
     return Status(StatusCode::kUnavailable, "STORE_IN_USE",
                   store_path +
                       ": another maploc-server serves this store; stop it, or give this "
                       "one a store of its own");
   }
-  return Status(StatusCode::kUnavailable, "CANNOT_LOCK",
-                path + ": cannot be locked (" + std::strerror(errno) + "); check its permissions");
+  return CannotLock(path, errno, "cannot be locked",
+                    "put the store on a file system that has locks");
 }
 
 ServeLock::~ServeLock() {

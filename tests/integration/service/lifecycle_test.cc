@@ -5,6 +5,8 @@
 
 #include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
+#include <sys/fsuid.h>
+#include <sys/stat.h>
 
 #include "tests/integration/service/service_fixture.h"
 
@@ -120,6 +122,30 @@ TEST_F(LifecycleTest, ASecondServerOnTheStoreIsRefused) {
   }
   EXPECT_TRUE(client_->Localize(QueryAt(2.0)).ok());
   RestartServer();  // the first one let go of it
+}
+
+TEST_F(LifecycleTest, ALockThatMayNotBeOpenedIsNotAnotherServer) {
+  const std::string store = folder_.File("another");
+  const std::string file = store + "-server";
+  std::ofstream(file).close();
+  ASSERT_EQ(chmod(file.c_str(), 0), 0);
+  constexpr uid_t kNobody = 65534;
+  const int before = setfsuid(kNobody);  // of this thread; root may open everything
+  const Result<ServeLock> lock = ServeLock::Acquire(store);
+  setfsuid(static_cast<uid_t>(before));
+  ASSERT_FALSE(lock.ok());
+  EXPECT_EQ(lock.status().reason(), "CANNOT_LOCK");
+  EXPECT_NE(lock.status().message().find(file), std::string::npos) << lock.status().message();
+  EXPECT_NE(lock.status().message().find("Permission denied"), std::string::npos)
+      << lock.status().message();
+}
+
+TEST_F(LifecycleTest, AStoreInNoFolderIsAnError) {
+  ServerOptions lost = options_;
+  lost.store = folder_.File("no/such/folder/store");
+  const Status status = Server::Start(lost).status();
+  EXPECT_EQ(status.reason(), "CANNOT_LOCK");
+  EXPECT_NE(status.message().find(lost.store), std::string::npos) << status.message();
 }
 
 TEST_F(LifecycleTest, AStoreMadeBehindALinkHasOneLockToo) {
