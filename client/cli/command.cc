@@ -1,4 +1,5 @@
 #include "client/cli/commands.h"
+#include "client/cli/output.h"
 
 namespace maploc {
 
@@ -15,6 +16,12 @@ CLI::App* AddCommand(CLI::App& app, CommandContext& context, const std::string& 
 
 CLI::Option* AddServerFlag(CLI::App& command, CommandContext& context) {
   return command.add_option("--server", context.server, "the server's HOST:PORT");
+}
+
+Status CheckRange(const char* flag, double value, double least, double most) {
+  if (value >= least && value <= most) return Status::Ok();
+  return InvalidArgument(flag,
+                         "must lie in " + FormatNumber(least, 0) + " to " + FormatNumber(most, 0));
 }
 
 }  // namespace maploc

@@ -29,6 +29,10 @@ CLI::App* AddCommand(CLI::App& app, CommandContext& context, const std::string& 
 // --server, which every command but the making of a world needs.
 CLI::Option* AddServerFlag(CLI::App& command, CommandContext& context);
 
+// INVALID_ARGUMENT unless `value`, of the flag named, is in [least, most]; a NaN is in no range.
+// For the command's work: a value that parses but makes no sense is a failure, not wrong usage.
+Status CheckRange(const char* flag, double value, double least, double most);
+
 void AddLocalizeCommand(CLI::App& app, CommandContext& context);
 void AddReplayCommand(CLI::App& app, CommandContext& context);
 void AddEndSessionCommand(CLI::App& app, CommandContext& context);

@@ -82,7 +82,15 @@ Result<std::vector<Query>> MakeQueries(const RecordedRobot& robot) {
   return queries;
 }
 
+Status Check(const LoadFlags& flags) {
+  MAPLOC_RETURN_IF_ERROR(CheckRange("robots", flags.load.robots, 1, 10000));
+  MAPLOC_RETURN_IF_ERROR(CheckRange("seconds", flags.seconds, 0, 1e6));
+  MAPLOC_RETURN_IF_ERROR(CheckRange("rate", flags.load.rate_per_second, 0, 1e6));
+  return CheckRange("session-queries", flags.load.queries_a_session, 1, 1000000);
+}
+
 Status Run(const CommandContext& context, const LoadFlags& flags) {
+  MAPLOC_RETURN_IF_ERROR(Check(flags));
   const Client client(context.server);
   MAPLOC_ASSIGN_OR_RETURN(const RemoteMap map, client.GetMap(flags.map));
   MAPLOC_ASSIGN_OR_RETURN(const RecordedRobot robot,
@@ -108,19 +116,13 @@ void AddLoadCommand(CLI::App& app, CommandContext& context) {
   command->add_option("--map", flags->map, "the map's name")->required();
   AddRecordingFlags(*command, flags->recording);
   command->add_option("--robots", flags->load.robots, "robots, each with its own connection")
-      ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  command->add_option("--seconds", flags->seconds, "how long")
-      ->check(CLI::Range(0.0, 1e6))
-      ->capture_default_str();
-  command
-      ->add_option("--rate", flags->load.rate_per_second,
-                   "queries a second of all robots together (default: as fast as answers come)")
-      ->check(CLI::Range(0.0, 1e6));
+  command->add_option("--seconds", flags->seconds, "how long")->capture_default_str();
+  command->add_option("--rate", flags->load.rate_per_second,
+                      "queries a second of all robots together (default: as fast as answers come)");
   command
       ->add_option("--session-queries", flags->load.queries_a_session,
                    "queries after which a robot ends its session and starts another")
-      ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command->add_flag("--without-sessions", flags->without_sessions,
                     "ask outside of any session: nothing is counted");

@@ -269,6 +269,8 @@ Status DriveAndReport(const CommandContext& context, const SimulateFlags& flags,
 }
 
 Status Run(const CommandContext& context, const SimulateFlags& flags) {
+  MAPLOC_RETURN_IF_ERROR(CheckRange("robots", flags.robots, 1, 64));
+  MAPLOC_RETURN_IF_ERROR(CheckRange("queries", flags.queries, 1, 10000));
   CampusOptions campus;
   campus.seed = flags.seed;
   const World world = MakeCampus(campus);
@@ -295,11 +297,8 @@ void AddSimulateCommand(CLI::App& app, CommandContext& context) {
       ->delimiter(',')
       ->check(CLI::IsMember({"summer", "autumn", "winter", "spring"}))
       ->capture_default_str();
-  command->add_option("--robots", flags->robots, "how many drive at once")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  command->add_option("--robots", flags->robots, "how many drive at once")->capture_default_str();
   command->add_option("--queries", flags->queries, "of a session: once around the campus")
-      ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   command->add_option("--seed", flags->seed, "of the campus and of the robots")
       ->capture_default_str();

@@ -7,6 +7,7 @@ namespace maploc {
 namespace {
 
 using Moment = std::chrono::steady_clock::time_point;
+using Seconds = std::chrono::duration<double>;
 
 double MillisecondsSince(Moment start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
@@ -32,10 +33,11 @@ class LoadRobot {
         index_(index) {}
 
   void Run(Moment start) {
-    const Moment end = start + std::chrono::duration_cast<Moment::duration>(options_.duration);
     for (std::int64_t i = 0; status_.ok(); ++i) {
-      const Moment due = Due(start, i);
-      if (due >= end) break;
+      const Seconds after = Due(start, i);
+      // Before the cast: at a tiny rate the next query is further off than a clock counts.
+      if (after >= options_.duration) break;
+      const Moment due = start + std::chrono::duration_cast<Moment::duration>(after);
       std::this_thread::sleep_until(due);
       if (options_.sessions && session_.empty()) status_ = StartSession();
       if (status_.ok())
@@ -49,12 +51,10 @@ class LoadRobot {
   LoadReport& report() { return report_; }
 
  private:
-  // When the i-th query of this robot is to be sent; robots take turns.
-  Moment Due(Moment start, std::int64_t i) const {
-    if (options_.rate_per_second <= 0) return std::chrono::steady_clock::now();
-    const std::chrono::duration<double> after(static_cast<double>(i * options_.robots + index_) /
-                                              options_.rate_per_second);
-    return start + std::chrono::duration_cast<Moment::duration>(after);
+  // When, after the start, the i-th query of this robot is to be sent; robots take turns.
+  Seconds Due(Moment start, std::int64_t i) const {
+    if (options_.rate_per_second <= 0) return std::chrono::steady_clock::now() - start;
+    return Seconds(static_cast<double>(i * options_.robots + index_) / options_.rate_per_second);
   }
 
   Status StartSession() {

@@ -34,7 +34,8 @@ struct LoadReport {
 
 // `server` is HOST:PORT; each robot has a connection of its own, and its queries are sent once (a
 // refusal is an error that counts). The first Status of a session that cannot be started or ended
-// ends the run. REQUIRES: queries is not empty, robots >= 1.
+// ends the run. REQUIRES: queries is not empty; robots and queries_a_session >= 1; duration
+// and rate finite and >= 0, duration within what a clock counts (292 years).
 Result<LoadReport> RunLoad(const std::string& server, const std::string& map,
                            const std::vector<Query>& queries, const LoadOptions& options);
 

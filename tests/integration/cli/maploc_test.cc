@@ -89,6 +89,7 @@ TEST_F(MaplocTest, WrongUsageIsTwoAndHelpShowsAnExample) {
   EXPECT_EQ(Run("maploc replay --server a:1 --map m --colmap d --strategy 3p").code, 2);
   EXPECT_EQ(Run("maploc replay --server a:1 --map m --colmap d --label season").code, 2);
   EXPECT_EQ(Run("maploc localize --server a:1 --map m --image i --camera c --gravity 0,1").code, 2);
+  EXPECT_EQ(Run("maploc load --server a:1 --map m --colmap d --robots many").code, 2);
   for (const char* command : {"localize", "replay", "end-session", "load", "simulate"}) {
     const Outcome help = Run(std::string("maploc ") + command + " --help");
     EXPECT_EQ(help.code, 0);
@@ -97,6 +98,8 @@ TEST_F(MaplocTest, WrongUsageIsTwoAndHelpShowsAnExample) {
 }
 
 TEST_F(MaplocTest, AFailureIsOneAndOneLine) {
+  const std::string load = "load" + At() + "--map campus --colmap " + Campus("model") +
+                           " --database " + Campus("database.db") + " ";
   const std::vector<std::string> commands = {
       "localize" + At() + "--map campus --image i.png --camera c.txt --gravity 0,0,0",
       "localize" + At() + "--map campus --image i.png --camera absent.txt --gravity 0,1,0",
@@ -106,6 +109,17 @@ TEST_F(MaplocTest, AFailureIsOneAndOneLine) {
       "end-session" + At() + "--session unknown",
       "end-session --server 127.0.0.1:1 --session unknown",
       "simulate --map campus",
+      "simulate" + At() + "--map campus --robots 0",
+      "simulate" + At() + "--map campus --queries -1",
+      load + "--robots 0",
+      load + "--robots -1",
+      load + "--seconds -1",
+      load + "--seconds nan",
+      load + "--seconds inf",
+      load + "--rate nan",
+      load + "--rate -1",
+      load + "--rate 1e300",
+      load + "--session-queries 0",
   };
   for (const std::string& command : commands) {
     const Outcome failed = Run("maploc " + command);
@@ -172,6 +186,10 @@ TEST_F(MaplocTest, ManyRobotsAtOnceAreReported) {
   const Json paced = Json::parse(Run(load + "--seconds 1 --rate 10 --without-sessions").out);
   EXPECT_EQ(paced["requests"], 10);
   EXPECT_EQ(paced["sessions"], 0);
+
+  // The first query at once, the second in more years than a clock counts.
+  const Json rare = Json::parse(Run(load + "--seconds 1 --rate 1e-300 --without-sessions").out);
+  EXPECT_EQ(rare["requests"], 1);
 }
 
 TEST_F(MaplocTest, RobotsInTheCampusTeachTheServerAndLeaveAPicture) {
