@@ -35,15 +35,16 @@ void AddSegmentOption(CLI::App& command, SegmentId& segment) {
       ->type_name("ID");
 }
 
-void AddVersionOption(CLI::App& command, std::int64_t& version) {
+void AddVersionOption(CLI::App& command, std::optional<std::int64_t>& version) {
   command.add_option("--version", version, "The map's version; left out: the newest")
-      ->check(CLI::PositiveNumber)
       ->type_name("N");
 }
 
-Result<MapSummary> FindMap(const MapStore& store, const std::string& name, std::int64_t version) {
-  if (version == 0) return store.GetMap(name);
-  return store.GetMap(MapKey{name, version});
+Result<MapSummary> FindMap(const MapStore& store, const std::string& name,
+                           std::optional<std::int64_t> version) {
+  if (!version) return store.GetMap(name);
+  if (*version < 1) return InvalidArgument("version", "must be 1 or more");
+  return store.GetMap(MapKey{name, *version});
 }
 
 Result<std::unique_ptr<MapStore>> OpenExistingStore(const CommandContext& context) {

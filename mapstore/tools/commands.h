@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -32,10 +33,11 @@ CLI::App* AddCommand(CLI::App& app, CommandContext& context, const std::string& 
 void AddMapOption(CLI::App& command, std::string& name);       // --map, required
 void AddSegmentOption(CLI::App& command, SegmentId& segment);  // --segment, required
 
-void AddVersionOption(CLI::App& command, std::int64_t& version);  // --version; 0: the newest
+void AddVersionOption(CLI::App& command, std::optional<std::int64_t>& version);  // --version
 
-// One version of a map, the newest where `version` is 0.
-Result<MapSummary> FindMap(const MapStore& store, const std::string& name, std::int64_t version);
+// One version of a map, the newest where none is given. INVALID_ARGUMENT: below 1.
+Result<MapSummary> FindMap(const MapStore& store, const std::string& name,
+                           std::optional<std::int64_t> version);
 
 // The store at context.store_path, which must exist: a command that reads makes none.
 Result<std::unique_ptr<MapStore>> OpenExistingStore(const CommandContext& context);

@@ -1,6 +1,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <optional>
 
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/output.h"
@@ -11,7 +12,7 @@ namespace {
 
 struct PlotFlags {
   std::string map;
-  std::int64_t version = 0;
+  std::optional<std::int64_t> version;  // else the newest
   std::string out;
   PlotColour colour = PlotColour::kStrategy;
 };

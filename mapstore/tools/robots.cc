@@ -1,4 +1,5 @@
 #include <iostream>
+#include <optional>
 
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/fleet.h"
@@ -9,7 +10,7 @@ namespace {
 
 struct RobotsFlags {
   std::string map;
-  std::int64_t version = 0;
+  std::optional<std::int64_t> version;  // else the newest
 };
 
 nlohmann::ordered_json ToJson(const RobotComparison& robot) {

@@ -13,7 +13,7 @@ namespace {
 
 struct StatsFlags {
   std::string map;
-  std::int64_t version = 0;
+  std::optional<std::int64_t> version;  // else the newest
   bool recompute = false;
   std::vector<std::string> labels;  // KEY=VALUE, all of which a session must have
   std::string by;                   // a label's key, or empty

@@ -86,6 +86,9 @@ TEST_F(MaplocMap, AFailureIsOneWithItsCause) {
   std::ofstream(text) << "not a database";
   ExpectFails("verify --store " + text, "notes.txt: is not a maploc store");
   ExpectFails("segments --store $STORE --map nowhere", "map 'nowhere' does not exist");
+  for (const std::string command : {"stats", "robots"}) {
+    ExpectFails(command + " --store $STORE --map yard --version 0", "version: must be 1 or more");
+  }
   ExpectFails("strategy --store $STORE --map yard --segment 9", "segment 9 of map 'yard'");
   ExpectFails("backup --store $STORE --to " + text, "exists already");
   ExpectFails("plot --store $STORE --map yard --out " + folder_.File("no/plan.svg"), "plan.svg");
