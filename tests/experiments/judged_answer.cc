@@ -8,7 +8,7 @@
 namespace maploc::experiments {
 namespace {
 
-constexpr int kIterationsAgainstGravity = 2000;  // the product's, in server/pipeline/localizer.cc
+constexpr int kIterationsAgainstGravity = 2000;  // the product's, in server/pipeline/attempt.cc
 
 const Camera& ImageCamera() {
   static const Camera camera =
