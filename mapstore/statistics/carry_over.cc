@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <limits>
 #include <map>
+#include <tuple>
 #include <unordered_map>
 
 namespace maploc {
@@ -18,9 +20,11 @@ struct Landmarks {
   std::vector<Eigen::Vector3d> positions;
   std::vector<std::vector<SegmentId>> segments;  // one list a landmark, ascending
   std::unordered_map<LandmarkId, int> index;
+  std::map<SegmentId, std::size_t> sizes;  // landmarks of each segment
 
   explicit Landmarks(std::span<const SegmentLandmarks> all) {
     for (const SegmentLandmarks& segment : all) {
+      sizes[segment.segment] = segment.ids.size();
       for (std::size_t i = 0; i < segment.ids.size(); ++i) {
         const int next = static_cast<int>(positions.size());
         const auto [found, is_new] = index.try_emplace(segment.ids[i], next);
@@ -66,6 +70,8 @@ class Grid {
     return nearest;
   }
 
+  void Remove(int i) { std::erase(cells_.at(CellOf(positions_[static_cast<std::size_t>(i)])), i); }
+
  private:
   using Cell = std::array<double, 3>;  // whole numbers: a map may be far larger than a cell
   Cell CellOf(const Eigen::Vector3d& position) const {
@@ -78,71 +84,57 @@ class Grid {
   std::map<Cell, std::vector<int>> cells_;
 };
 
-// For each old landmark the new one that it is, or -1.
+// For each old landmark the new one that it is, or -1. Pairs are taken until none is left: of
+// landmarks at one place, each finds one. From each landmark a chain of nearest ones is followed to
+// a mutual pair; on the way distances fall, so that it ends.
 std::vector<int> MatchLandmarks(const Landmarks& old_ones, const Landmarks& new_ones,
                                 double tolerance) {
-  const Grid old_grid(old_ones.positions, tolerance);
-  const Grid new_grid(new_ones.positions, tolerance);
-  std::vector<int> matches;
-  for (std::size_t i = 0; i < old_ones.positions.size(); ++i) {
-    const int there = new_grid.Nearest(old_ones.positions[i]);
-    const bool mutual =
-        there >= 0 && old_grid.Nearest(new_ones.positions[static_cast<std::size_t>(there)]) ==
-                          static_cast<int>(i);
-    matches.push_back(mutual ? there : -1);
+  Grid old_grid(old_ones.positions, tolerance);
+  Grid new_grid(new_ones.positions, tolerance);
+  std::vector<int> matches(old_ones.positions.size(), -1);
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    if (matches[i] >= 0) continue;
+    std::vector<int> chain = {static_cast<int>(i)};
+    while (!chain.empty()) {
+      const auto last = static_cast<std::size_t>(chain.back());
+      const int there = new_grid.Nearest(old_ones.positions[last]);
+      if (there < 0) {
+        chain.pop_back();
+        continue;
+      }
+      const int back = old_grid.Nearest(new_ones.positions[static_cast<std::size_t>(there)]);
+      if (back != chain.back()) {
+        chain.push_back(back);
+        continue;
+      }
+      matches[last] = there;
+      old_grid.Remove(back);
+      new_grid.Remove(there);
+      chain.pop_back();
+    }
   }
   return matches;
 }
 
-// A new row while the shares are added up.
-struct Sum {
-  std::array<double, 8> counts{};   // in the order of CountsOf
-  std::array<double, 3> medians{};  // times the weight of their queries
-};
-
-std::array<std::int64_t, 8> CountsOf(const SegmentSessionRow& row) {
-  return {row.queries,
-          row.localized,
-          row.point_matches,
-          row.point_inliers,
-          row.usable_line_matches,
-          row.usable_line_inliers,
-          row.vertical_line_matches,
-          row.vertical_line_inliers};
-}
-
-void AddShare(const SegmentSessionRow& row, double weight, Sum& sum) {
-  const auto counts = CountsOf(row);
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    sum.counts[i] += weight * static_cast<double>(counts[i]);
+// The new segments that hold landmarks of one old segment, in the order of their claim to a
+// landmark that several of them hold. An identical segment comes first: it shares all and holds
+// nothing else.
+std::map<SegmentId, std::size_t> RankHolders(SegmentId old_segment, std::span<const int> matches,
+                                             const Landmarks& new_ones) {
+  std::map<SegmentId, std::int64_t> shared;
+  for (const int match : matches) {
+    for (const SegmentId holder : new_ones.segments[static_cast<std::size_t>(match)]) {
+      ++shared[holder];
+    }
   }
-  const double localized = weight * static_cast<double>(row.localized);
-  sum.medians[0] += localized * row.median_point_matches;
-  sum.medians[1] += localized * row.median_usable_line_matches;
-  sum.medians[2] += localized * row.median_vertical_line_matches;
-}
-
-// Rounding keeps the order of what is counted: never more inliers than matches.
-SegmentSessionRow RowOf(const SegmentSessionRow& of_session, SegmentId segment, const Sum& sum) {
-  const auto count = [&](std::size_t i) { return std::llround(sum.counts[i]); };
-  SegmentSessionRow row;
-  row.session = of_session.session;
-  row.session_start_unix_ns = of_session.session_start_unix_ns;
-  row.segment = segment;
-  row.queries = count(0);
-  row.localized = count(1);
-  row.point_matches = count(2);
-  row.point_inliers = count(3);
-  row.usable_line_matches = count(4);
-  row.usable_line_inliers = count(5);
-  row.vertical_line_matches = count(6);
-  row.vertical_line_inliers = count(7);
-  const double localized = sum.counts[1];
-  if (row.localized == 0 || localized <= 0.0) return row;
-  row.median_point_matches = sum.medians[0] / localized;
-  row.median_usable_line_matches = sum.medians[1] / localized;
-  row.median_vertical_line_matches = sum.medians[2] / localized;
-  return row;
+  std::vector<std::tuple<std::int64_t, std::size_t, bool, SegmentId>> claims;
+  for (const auto& [holder, count] : shared) {
+    claims.emplace_back(-count, new_ones.sizes.at(holder), holder != old_segment, holder);
+  }
+  std::sort(claims.begin(), claims.end());
+  std::map<SegmentId, std::size_t> ranks;
+  for (std::size_t i = 0; i < claims.size(); ++i) ranks[std::get<SegmentId>(claims[i])] = i;
+  return ranks;
 }
 
 }  // namespace
@@ -190,36 +182,25 @@ std::vector<CarriedShare> CarryOver(std::span<const SegmentLandmarks> old_segmen
   const std::vector<int> matches = MatchLandmarks(old_ones, new_ones, tolerance);
   std::vector<CarriedShare> shares;
   for (const SegmentLandmarks& segment : old_segments) {
-    std::map<SegmentId, double> weights;
+    std::vector<int> found;
     for (const LandmarkId id : segment.ids) {
       const int match = matches[static_cast<std::size_t>(old_ones.index.at(id))];
-      if (match < 0) continue;
-      const auto& holders = new_ones.segments[static_cast<std::size_t>(match)];
-      for (const SegmentId holder : holders) {
-        weights[holder] += 1.0 / static_cast<double>(holders.size());
-      }
+      if (match >= 0) found.push_back(match);
     }
-    for (const auto& [to, weight] : weights) {
-      shares.push_back({segment.segment, to, weight / static_cast<double>(segment.ids.size())});
+    const auto ranks = RankHolders(segment.segment, found, new_ones);
+    std::map<SegmentId, std::int64_t> landmarks;
+    for (const int match : found) {
+      const auto& holders = new_ones.segments[static_cast<std::size_t>(match)];
+      ++landmarks[*std::min_element(holders.begin(), holders.end(), [&](SegmentId a, SegmentId b) {
+        return ranks.at(a) < ranks.at(b);
+      })];
+    }
+    for (const auto& [to, count] : landmarks) {
+      const double weight = static_cast<double>(count) / static_cast<double>(segment.ids.size());
+      shares.push_back({segment.segment, to, weight});
     }
   }
   return shares;
-}
-
-std::vector<SegmentSessionRow> CarryRows(std::span<const SegmentSessionRow> rows,
-                                         std::span<const CarriedShare> shares) {
-  std::map<SegmentId, Sum> sums;
-  for (const SegmentSessionRow& row : rows) {
-    for (const CarriedShare& share : shares) {
-      if (share.from == row.segment) AddShare(row, share.weight, sums[share.to]);
-    }
-  }
-  std::vector<SegmentSessionRow> carried;
-  for (const auto& [segment, sum] : sums) {
-    SegmentSessionRow row = RowOf(rows.front(), segment, sum);
-    if (row.queries > 0) carried.push_back(std::move(row));
-  }
-  return carried;
 }
 
 }  // namespace maploc

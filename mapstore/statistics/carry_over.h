@@ -4,7 +4,7 @@
 // A landmark's id is its index in one import, so ids say nothing across versions. The same landmark
 // is the one at the same place: old positions are moved into the new map's frame (by both versions'
 // map_from_source: an extended or rebuilt model keeps its source frame), and a pair is two
-// landmarks that are each other's nearest, within a tolerance.
+// landmarks that are each other's nearest, within a tolerance, among those not yet paired.
 #pragma once
 
 #include <span>
@@ -41,16 +41,23 @@ SegmentLandmarks LandmarksOf(const Segment& segment, const Similarity3& new_map_
 // pixels at a focal length of 500, whatever the map's unit. 0 without landmarks or path.
 double SharedLandmarkTolerance(std::span<const Segment> segments);
 
-// A segment's weights sum to the share of its landmarks that live on, at most 1: each counts in
-// equal parts in the new segments that hold it, so that no query is carried twice. Ascending by
-// (from, to).
+// A segment's weights sum to the share of its landmarks that live on, at most 1. A landmark counts
+// in one new segment alone: of those that hold it, in the one that shares most landmarks with the
+// old segment; between equals in the smallest, then in the one with the old segment's id, then in
+// the lowest id. So an identical map inherits by weights of exactly 1, however often, and what a
+// segment knows does not spread to its neighbours. Ascending by (from, to).
 std::vector<CarriedShare> CarryOver(std::span<const SegmentLandmarks> old_segments,
                                     std::span<const SegmentLandmarks> new_segments,
                                     double tolerance);
 
-// One session's rows of the old version as rows of the new one, ascending by segment: counts are
-// multiplied by the weights, added up and rounded; medians are means weighted by localized queries.
-// Segments that get no query have no row. REQUIRES: `rows` are of one session.
+// One session's rows of the old version as rows of the new one, ascending by segment. Each row is
+// shared out among its heirs and, where its weights sum to less than 1, nobody: queries by weight,
+// localized and failed ones each by the largest remainder (between equals the first share), matches
+// likewise in proportion to the localized queries that each heir got. So counts are kept: over the
+// heirs they never sum to more than the old ones, and to just these where the weights sum to 1; no
+// row has more inliers than matches. Medians are means weighted by localized queries. Segments that
+// get no query have no row. REQUIRES: `rows` are of one session; `shares` have all heirs of each
+// row, in the same order whenever it is asked.
 std::vector<SegmentSessionRow> CarryRows(std::span<const SegmentSessionRow> rows,
                                          std::span<const CarriedShare> shares);
 

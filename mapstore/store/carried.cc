@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
 namespace maploc {
 namespace {
 
-// Less would round to nothing in all but the longest sessions, and would grow with every version.
+// Less rounds to nothing in all but the longest sessions, and the list would grow with every
+// version.
 constexpr double kLeastWeight = 0.005;
 
 Similarity3 FreshFromOld(const MapInfo& old_info, const MapInfo& fresh_info) {
@@ -27,6 +29,38 @@ std::vector<SegmentLandmarks> AllLandmarks(std::span<const Segment> segments,
   landmarks.reserve(segments.size());
   for (const Segment& segment : segments) landmarks.push_back(LandmarksOf(segment, fresh_from_map));
   return landmarks;
+}
+
+using WeightOf =
+    std::map<std::tuple<SegmentId, std::int64_t, SegmentId>, double>;  // to, source, from
+
+// Weights that are too small go to the largest of the same older segment (between equals to the
+// lowest heir), so that nothing is lost of it.
+std::vector<Inheritance> WithoutSmall(const WeightOf& weights) {
+  std::map<std::pair<std::int64_t, SegmentId>, std::vector<Inheritance>> heirs;
+  for (const auto& [key, weight] : weights) {
+    const auto& [to, source, from] = key;
+    heirs[{source, from}].push_back({source, from, to, weight});
+  }
+  std::vector<Inheritance> kept;
+  for (auto& [older, shares] : heirs) {
+    const auto largest = std::max_element(
+        shares.begin(), shares.end(),
+        [](const Inheritance& a, const Inheritance& b) { return a.weight < b.weight; });
+    for (auto share = shares.begin(); share != shares.end(); ++share) {
+      if (share == largest || share->weight >= kLeastWeight) continue;
+      largest->weight += std::exchange(share->weight, 0.0);
+    }
+    for (Inheritance& share : shares) {
+      if (share.weight < kLeastWeight) continue;
+      share.weight = std::min(share.weight, 1.0);
+      kept.push_back(share);
+    }
+  }
+  std::sort(kept.begin(), kept.end(), [](const Inheritance& a, const Inheritance& b) {
+    return std::tie(a.to, a.source, a.from) < std::tie(b.to, b.source, b.from);
+  });
+  return kept;
 }
 
 }  // namespace
@@ -50,7 +84,7 @@ std::vector<Inheritance> InheritFrom(std::int64_t predecessor, const MapInfo& ol
   const auto shares = CarryOver(AllLandmarks(old_segments, FreshFromOld(old_info, fresh_info)),
                                 AllLandmarks(fresh_segments, Similarity3{}),
                                 SharedLandmarkTolerance(fresh_segments));
-  std::map<std::tuple<SegmentId, std::int64_t, SegmentId>, double> weights;
+  WeightOf weights;
   for (const CarriedShare& share : shares) {
     weights[{share.to, predecessor, share.from}] += share.weight;
     for (const Inheritance& before : older) {
@@ -58,12 +92,19 @@ std::vector<Inheritance> InheritFrom(std::int64_t predecessor, const MapInfo& ol
       weights[{share.to, before.source, before.from}] += before.weight * share.weight;
     }
   }
-  std::vector<Inheritance> inheritance;
-  for (const auto& [key, weight] : weights) {
-    const auto& [to, source, from] = key;
-    if (weight >= kLeastWeight) inheritance.push_back({source, from, to, std::min(weight, 1.0)});
+  return WithoutSmall(weights);
+}
+
+std::vector<Inheritance> SharesBehind(SegmentId segment, std::span<const Inheritance> all) {
+  std::set<std::pair<std::int64_t, SegmentId>> sources;
+  for (const Inheritance& share : all) {
+    if (share.to == segment) sources.emplace(share.source, share.from);
   }
-  return inheritance;
+  std::vector<Inheritance> shares;
+  for (const Inheritance& share : all) {
+    if (sources.contains({share.source, share.from})) shares.push_back(share);
+  }
+  return shares;
 }
 
 std::vector<TrueRow> WithInherited(SegmentId segment, std::vector<TrueRow> own,
@@ -82,10 +123,11 @@ std::vector<TrueRow> WithInherited(SegmentId segment, std::vector<TrueRow> own,
       taught.push_back(part->row);  // by segment: sums have an order
     for (const Inheritance& share : inheritance) {
       if (share.source == parts.front()->source) {
-        shares.push_back({share.from, segment, share.weight});
+        shares.push_back({share.from, share.to, share.weight});
       }
     }
     for (SegmentSessionRow& carried : CarryRows(taught, shares)) {
+      if (carried.segment != segment) continue;
       const TrueRow& part = *parts.front();
       own.push_back({std::move(carried), part.source, part.end_unix_ns, part.options});
     }

@@ -34,14 +34,21 @@ struct TrueRow {
 Segment WithoutDescriptors(const Segment& segment);
 
 // What `fresh` inherits from the version before it, and through that from older ones: `older` is
-// what that version (named `predecessor`) has itself inherited. Ascending by (to, source, from).
+// what that version (named `predecessor`) has itself inherited. Over its heirs, the weights of an
+// older segment sum to the share of its landmarks that live on. Ascending by (to, source, from).
 std::vector<Inheritance> InheritFrom(std::int64_t predecessor, const MapInfo& old_info,
                                      std::span<const Segment> old_segments,
                                      std::span<const Inheritance> older, const MapInfo& fresh_info,
                                      std::span<const Segment> fresh_segments);
 
-// The rows of one segment, in folding order: its own, and what `inheritance` (of this segment
-// alone) makes of the `rows` of older versions, one for each of their sessions.
+// Of `all` that a version inherits the shares of the older segments that `segment` inherits from,
+// its fellow heirs' too: what one gets of a count depends on what the others get. In the same
+// order.
+std::vector<Inheritance> SharesBehind(SegmentId segment, std::span<const Inheritance> all);
+
+// The rows of one segment, in folding order: its own, and what `inheritance` (SharesBehind it)
+// makes of the `rows` of older versions (of the segments that this one inherits from), one for each
+// of their sessions.
 std::vector<TrueRow> WithInherited(SegmentId segment, std::vector<TrueRow> own,
                                    std::span<const TrueRow> rows,
                                    std::span<const Inheritance> inheritance);

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <string>
+#include <utility>
 
 #include "mapstore/base/random.h"
 #include "mapstore/geometry/line.h"
+#include "mapstore/store/carried.h"
 
 namespace maploc {
 namespace {
@@ -32,6 +35,56 @@ std::vector<SegmentSessionRow> SampleRows() {
     rows.push_back(row);
   }
   return rows;
+}
+
+// The sample as two segments of an older version, one of which lives on in part only, and what
+// segment 0 of two heirs makes of it. Never to be edited either.
+std::vector<SegmentSessionRow> CarriedSampleRows() {
+  const std::array inheritance = {Inheritance{1, 0, 0, 0.55}, Inheritance{1, 1, 0, 1.0 / 3.0},
+                                  Inheritance{1, 0, 1, 0.25}, Inheritance{1, 1, 1, 2.0 / 3.0}};
+  std::vector<TrueRow> older;
+  for (const SegmentSessionRow& row : SampleRows()) {
+    for (SegmentId segment = 0; segment < 2; ++segment) {
+      older.push_back({row, 1, 0, 0});
+      older.back().row.segment = segment;
+      older.back().row.median_point_matches += 3.0 * segment;
+    }
+  }
+  std::vector<SegmentSessionRow> carried;
+  for (TrueRow& row : WithInherited(0, {}, older, inheritance)) {
+    carried.push_back(std::move(row.row));
+  }
+  return carried;
+}
+
+// Bytes of all that the derivation makes of the rows.
+std::string BytesOfDerivation(std::vector<SegmentSessionRow> rows) {
+  SegmentTruth truth;
+  truth.rows = std::move(rows);
+  truth.ends_unix_ns.resize(truth.rows.size());
+  std::string bytes;
+  for (const DecisionRecord& record : ReplayHistory(truth)) {
+    const SegmentStatistics& sums = record.statistics;
+    const std::array numbers = {static_cast<double>(sums.queries),
+                                static_cast<double>(sums.localized),
+                                sums.point_matches,
+                                sums.point_inliers,
+                                sums.usable_line_inliers,
+                                sums.vertical_line_inliers,
+                                sums.weighted_queries,
+                                sums.weighted_localized,
+                                sums.independent_points,
+                                sums.independent_usable_lines,
+                                sums.independent_vertical_lines,
+                                sums.typical_point_matches,
+                                sums.typical_usable_line_matches,
+                                sums.typical_vertical_line_matches,
+                                record.decision.predicted_success};
+    bytes.append(reinterpret_cast<const char*>(numbers.data()), sizeof(numbers));
+    for (const Strategy strategy : record.decision.ranking) bytes += StrategyName(strategy);
+    bytes += record.decision.reason;
+  }
+  return bytes;
 }
 
 SegmentDerivation DeriveFrom(const SelectorFold& fold, const std::optional<Strategy>& pinned,
@@ -109,32 +162,8 @@ std::vector<DecisionRecord> ReplayHistory(const SegmentTruth& truth) {
 }
 
 std::int64_t DerivationFingerprint() {
-  static const std::int64_t fingerprint = [] {
-    SegmentTruth truth;
-    truth.rows = SampleRows();
-    truth.ends_unix_ns.resize(truth.rows.size());
-    std::string bytes;
-    for (const DecisionRecord& record : ReplayHistory(truth)) {
-      const SegmentStatistics& sums = record.statistics;
-      const std::array numbers = {sums.point_matches,
-                                  sums.point_inliers,
-                                  sums.usable_line_inliers,
-                                  sums.vertical_line_inliers,
-                                  sums.weighted_queries,
-                                  sums.weighted_localized,
-                                  sums.independent_points,
-                                  sums.independent_usable_lines,
-                                  sums.independent_vertical_lines,
-                                  sums.typical_point_matches,
-                                  sums.typical_usable_line_matches,
-                                  sums.typical_vertical_line_matches,
-                                  record.decision.predicted_success};
-      bytes.append(reinterpret_cast<const char*>(numbers.data()), sizeof(numbers));
-      for (const Strategy strategy : record.decision.ranking) bytes += StrategyName(strategy);
-      bytes += record.decision.reason;
-    }
-    return static_cast<std::int64_t>(HashBytes(bytes));
-  }();
+  static const auto fingerprint = static_cast<std::int64_t>(
+      HashBytes(BytesOfDerivation(SampleRows()) + BytesOfDerivation(CarriedSampleRows())));
   return fingerprint;
 }
 

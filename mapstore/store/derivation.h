@@ -66,8 +66,9 @@ SegmentState DeriveState(const SegmentTruth& truth);
 // one is in force.
 std::vector<DecisionRecord> ReplayHistory(const SegmentTruth& truth);
 
-// A hash of what the derivation makes of rows that never change. A store keeps it: where it differs
-// (another version of the selector, another compiler) statistics and strategies are derived anew.
+// A hash of what the derivation makes of rows that never change, own and inherited ones. A store
+// keeps it: where it differs (another version of the selector, another compiler) statistics and
+// strategies are derived anew.
 std::int64_t DerivationFingerprint();
 
 // REQUIRES: rows in folding order. A pin overrules the selector, whose choice its reason tells.

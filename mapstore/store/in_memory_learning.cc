@@ -16,10 +16,9 @@ std::vector<TrueRow> InMemoryStore::RowsOf(const StoredMap& map, SegmentId id) c
 // All rows of this store are counted with the same options.
 SegmentTruth InMemoryStore::TruthOf(const StoredMap& map, SegmentId id) const {
   std::vector<TrueRow> older;
-  std::vector<Inheritance> shares;
-  for (const Inheritance& share : map.inheritance) {
+  const std::vector<Inheritance> shares = SharesBehind(id, map.inheritance);
+  for (const Inheritance& share : shares) {
     if (share.to != id) continue;
-    shares.push_back(share);
     const MapKey source{map.summary.info.key.name, share.source};
     for (TrueRow& row : RowsOf(maps_.at(source), share.from)) older.push_back(std::move(row));
   }

@@ -192,22 +192,31 @@ class SqliteMapWriter : public MapWriter {
   }
 
  private:
-  // One short transaction a segment: with many sessions a whole map would keep others waiting. What
-  // sessions teach the older versions meanwhile reaches the segments that have inherited already.
+  // All weights first, because what a segment gets depends on its fellow heirs. Then one short
+  // transaction a segment: with many sessions a whole map would keep others waiting. What sessions
+  // teach the older versions meanwhile reaches the heirs that are written down.
   Status Inherit() {
     MAPLOC_ASSIGN_OR_RETURN(const auto shares,
                             FindInheritance(connections_, info_, row_id_, places_));
-    for (std::size_t i = 0; i < shares.size();) {
+    MAPLOC_RETURN_IF_ERROR(WriteDown(shares));
+    for (std::size_t i = 0; i < shares.size(); ++i) {
       const SegmentId heir = shares[i].to;
+      if (i > 0 && shares[i - 1].to == heir) continue;
       MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_.Write());
-      for (; i < shares.size() && shares[i].to == heir; ++i) {
-        MAPLOC_RETURN_IF_ERROR(InsertInheritance(writer.database(), row_id_, shares[i]));
-      }
       MAPLOC_RETURN_IF_ERROR(
           DeriveAnew(writer.database(), row_id_, heir, connections_.options().selector).status());
       MAPLOC_RETURN_IF_ERROR(writer.Commit());
     }
     return Status::Ok();
+  }
+
+  Status WriteDown(std::span<const Inheritance> shares) {
+    if (shares.empty()) return Status::Ok();
+    MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_.Write());
+    for (const Inheritance& share : shares) {
+      MAPLOC_RETURN_IF_ERROR(InsertInheritance(writer.database(), row_id_, share));
+    }
+    return writer.Commit();
   }
 
   SqliteConnections& connections_;

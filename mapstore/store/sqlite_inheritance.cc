@@ -49,10 +49,13 @@ Result<std::vector<TrueRow>> ReadTrueRows(SqliteDatabase& database, std::int64_t
   MAPLOC_ASSIGN_OR_RETURN(std::vector<TrueRow> own, ReadRows(database, map, id));
   SqliteStatement statement(database,
                             "SELECT source_map, source_segment, segment, weight FROM inheritance "
-                            "WHERE map = ?1 AND segment = ?2 ORDER BY source_map, source_segment");
+                            "WHERE map = ?1 AND (source_map, source_segment) IN (SELECT "
+                            "source_map, source_segment FROM inheritance WHERE map = ?1 AND "
+                            "segment = ?2) ORDER BY segment, source_map, source_segment");
   MAPLOC_ASSIGN_OR_RETURN(const auto shares, Collect(statement.Bind(map, id)));
   std::vector<TrueRow> older;
   for (const Inheritance& share : shares) {
+    if (share.to != id) continue;
     MAPLOC_ASSIGN_OR_RETURN(auto rows, ReadRows(database, share.source, share.from));
     for (TrueRow& row : rows) older.push_back(std::move(row));
   }

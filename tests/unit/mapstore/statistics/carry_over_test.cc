@@ -40,17 +40,29 @@ TEST(CarryOver, KnowsLandmarksByTheirPlaceAlone) {
   EXPECT_THAT(CarryOver(old_segments, std::vector{Landmarks(4, 20, 29)}, 0.1), IsEmpty());
 }
 
+// However segments overlap: each knows what it knew, however often the map comes again.
+TEST(CarryOver, OfTheSameOverlappingMapIsTheIdentity) {
+  SegmentLandmarks at_one_place = Landmarks(5, 30, 33);
+  for (Eigen::Vector3d& position : at_one_place.positions) position = Place(30);
+  const std::vector segments = {Landmarks(0, 0, 9), Landmarks(1, 4, 14),  Landmarks(2, 6, 8),
+                                Landmarks(3, 6, 8), Landmarks(4, 12, 13), at_one_place};
+  EXPECT_THAT(
+      CarryOver(segments, segments, 0.1),
+      ElementsAre(CarriedShare{0, 0, 1.0}, CarriedShare{1, 1, 1.0}, CarriedShare{2, 2, 1.0},
+                  CarriedShare{3, 3, 1.0}, CarriedShare{4, 4, 1.0}, CarriedShare{5, 5, 1.0}));
+}
+
 // Of segment 0's ten landmarks six are in new segment 0, four in new segment 1, of which two are in
-// both: these count half in each.
+// both: these count in the segment that shares more.
 TEST(CarryOver, SharesInProportionToSharedLandmarks) {
   const std::vector old_segments = {Landmarks(0, 0, 9), Landmarks(1, 8, 15)};
   const std::vector new_segments = {Landmarks(0, 0, 5), Landmarks(1, 4, 7)};
   const auto shares = CarryOver(old_segments, new_segments, 0.1);
   ASSERT_EQ(shares.size(), 2u);
   EXPECT_EQ(shares[0].to, 0);
-  EXPECT_DOUBLE_EQ(shares[0].weight, (4 + 2 * 0.5) / 10);
+  EXPECT_DOUBLE_EQ(shares[0].weight, 0.6);
   EXPECT_EQ(shares[1].to, 1);
-  EXPECT_DOUBLE_EQ(shares[1].weight, (2 + 2 * 0.5) / 10);
+  EXPECT_DOUBLE_EQ(shares[1].weight, 0.2);
 }
 
 // Two old landmarks near one new one: only the nearest is the same.
@@ -96,16 +108,26 @@ TEST(CarryRows, AddUpAndRound) {
   const auto carried =
       CarryRows(std::vector{Row(0, 10), Row(1, 20)},
                 std::vector<CarriedShare>{{0, 2, 0.5}, {1, 2, 0.25}, {1, 3, 0.01}});
-  ASSERT_EQ(carried.size(), 1u);  // a hundredth of 23 queries is none
+  ASSERT_EQ(carried.size(), 1u);  // a hundredth of 20 queries and of 3 is none
   EXPECT_EQ(carried[0].segment, 2);
   EXPECT_EQ(carried[0].session, "s");
   EXPECT_EQ(carried[0].session_start_unix_ns, 7);
-  EXPECT_EQ(carried[0].queries, 12);  // 6.5 + 5.75
+  EXPECT_EQ(carried[0].queries, 13);  // localized 5 + 5, failed 1.5 (rounded up) + 0.75
   EXPECT_EQ(carried[0].localized, 10);
   EXPECT_EQ(carried[0].point_matches, 1000);
   EXPECT_EQ(carried[0].point_inliers, 610);
   EXPECT_DOUBLE_EQ(carried[0].median_point_matches, 100.5);
   EXPECT_TRUE(CarryRows({}, {}).empty());
+}
+
+// Two halves of one query are one query, and its matches are where it is.
+TEST(CarryRows, CountNothingTwice) {
+  SegmentSessionRow row = Row(0, 1);
+  row.queries = 1;
+  const auto carried =
+      CarryRows(std::vector{row}, std::vector<CarriedShare>{{0, 1, 0.5}, {0, 2, 0.5}});
+  row.segment = 1;
+  EXPECT_THAT(carried, ElementsAre(row));
 }
 
 TEST(CarryRows, NeverHaveMoreInliersThanMatches) {
