@@ -1,12 +1,11 @@
-#include <algorithm>
 #include <iostream>
 #include <map>
 #include <optional>
 
-#include "mapstore/statistics/change.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/decline.h"
 #include "mapstore/tools/output.h"
+#include "mapstore/tools/session_groups.h"
 
 namespace maploc {
 namespace {
@@ -14,22 +13,7 @@ namespace {
 struct StatsFlags {
   std::string map;
   std::optional<std::int64_t> version;  // else the newest
-  bool recompute = false;
-  std::vector<std::string> labels;  // KEY=VALUE, all of which a session must have
-  std::string by;                   // a label's key, or empty
-};
-
-// The sums over some of a map's sessions, with when they changed.
-struct SegmentStats {
-  SegmentSummary summary;
-  std::vector<ChangePoint> changes;
-  std::int64_t inherited_sessions = 0;  // of older versions
-};
-
-// The sessions that have one value of a label, or all of them.
-struct Group {
-  std::optional<std::string> value;  // nullopt: those without the label, or all
-  std::vector<SegmentStats> segments;
+  GroupOptions groups;
 };
 
 nlohmann::ordered_json ToJson(const SegmentStats& stats, bool recomputed) {
@@ -76,16 +60,6 @@ void PrintTable(const std::vector<SegmentStats>& segments) {
   table.Print(std::cout);
 }
 
-// From the rows of the sessions, with the options that the stored statistics were derived with.
-Status CheckRecomputed(const MapStore& store, const MapKey& key, const SegmentSummary& segment) {
-  MAPLOC_ASSIGN_OR_RETURN(const auto rows, store.ListRows(key, segment.id));
-  if (Aggregate(rows, segment.selector.statistics) == segment.statistics) return Status::Ok();
-  return Status(StatusCode::kDataLoss, "DAMAGED_STORE",
-                "segment " + std::to_string(segment.id) +
-                    ": its statistics differ from its sessions' rows; restore the store from a "
-                    "backup");
-}
-
 // The declines in the order of their rank, which programs find in each segment's "decline_rank".
 std::vector<Decline> DeclinesOf(const std::vector<SegmentStats>& segments) {
   std::vector<SegmentChanges> changes;
@@ -108,91 +82,29 @@ nlohmann::ordered_json ToJson(const std::vector<SegmentStats>& segments, bool re
   return document;
 }
 
-bool HasLabels(const Session& session, const std::vector<std::string>& labels) {
-  return std::all_of(labels.begin(), labels.end(), [&](const std::string& label) {
-    const std::size_t split = label.find('=');
-    const auto found = session.labels.find(label.substr(0, split));
-    return found != session.labels.end() && found->second == label.substr(split + 1);
-  });
-}
-
-std::optional<std::string> ValueOf(const Session& session, const std::string& key) {
-  const auto found = session.labels.find(key);
-  if (found == session.labels.end()) return std::nullopt;
-  return found->second;
-}
-
-// The chosen sessions, by the value of the label of --by; without it all under one.
-using Selection = std::map<std::optional<std::string>, std::map<SessionId, MapKey>>;
-
-Result<Selection> Select(const MapStore& store, const StatsFlags& flags) {
-  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, store.ListSessions());
-  Selection selection;
-  if (flags.by.empty()) selection.try_emplace(std::nullopt);
-  for (const Session& session : sessions) {
-    if (session.map.name != flags.map || !HasLabels(session, flags.labels)) continue;
-    const auto value = flags.by.empty() ? std::nullopt : ValueOf(session, flags.by);
-    selection[value].emplace(session.id, session.map);
-  }
-  return selection;
-}
-
-// `summary` of the chosen sessions alone.
-SegmentStats StatsOf(SegmentSummary summary, std::vector<SegmentSessionRow> rows,
-                     const std::map<SessionId, MapKey>& chosen, const MapKey& key) {
-  std::erase_if(rows, [&](const SegmentSessionRow& row) { return !chosen.contains(row.session); });
-  SegmentStats stats;
-  const StatisticsOptions& options = summary.selector.statistics;
-  summary.statistics = Aggregate(rows, options);
-  stats.summary = std::move(summary);
-  stats.changes = FindChanges(rows, options);
-  stats.inherited_sessions =
-      std::count_if(rows.begin(), rows.end(),
-                    [&](const SegmentSessionRow& row) { return chosen.at(row.session) != key; });
-  return stats;
-}
-
-Result<std::vector<Group>> ReadGroups(const MapStore& store, const MapKey& key,
-                                      const StatsFlags& flags) {
-  MAPLOC_ASSIGN_OR_RETURN(const Selection selection, Select(store, flags));
-  std::vector<Group> groups;
-  for (const auto& [value, chosen] : selection) groups.push_back({value, {}});
-  MAPLOC_ASSIGN_OR_RETURN(const auto segments, store.ListSegments(key));
-  for (const SegmentSummary& segment : segments) {
-    if (flags.recompute) {
-      MAPLOC_RETURN_IF_ERROR(CheckRecomputed(store, key, segment));
-    }
-    MAPLOC_ASSIGN_OR_RETURN(const auto rows, store.ListRows(key, segment.id));
-    auto group = groups.begin();
-    for (const auto& [value, chosen] : selection) {
-      (group++)->segments.push_back(StatsOf(segment, rows, chosen, key));
-    }
-  }
-  return groups;
-}
-
-void PrintJsonOf(const std::vector<Group>& groups, const StatsFlags& flags) {
-  if (flags.by.empty()) return PrintJson(ToJson(groups.front().segments, flags.recompute));
+void PrintJsonOf(const std::vector<SessionGroup>& groups, const GroupOptions& options) {
+  if (options.by.empty()) return PrintJson(ToJson(groups.front().segments, options.recompute));
   auto document = nlohmann::ordered_json::array();
-  for (const Group& group : groups) {
-    document.push_back({{"by", flags.by},
+  for (const SessionGroup& group : groups) {
+    document.push_back({{"by", options.by},
                         {"value", group.value ? nlohmann::ordered_json(*group.value)
                                               : nlohmann::ordered_json(nullptr)},
-                        {"segments", ToJson(group.segments, flags.recompute)}});
+                        {"segments", ToJson(group.segments, options.recompute)}});
   }
   PrintJson(document);
 }
 
-void PrintText(const std::vector<Group>& groups, const StatsFlags& flags) {
-  for (const Group& group : groups) {
-    if (!flags.by.empty()) {
-      std::cout << (group.value ? flags.by + "=" + *group.value : "without " + flags.by) << "\n";
+void PrintText(const std::vector<SessionGroup>& groups, const GroupOptions& options) {
+  for (const SessionGroup& group : groups) {
+    if (!options.by.empty()) {
+      std::cout << (group.value ? options.by + "=" + *group.value : "without " + options.by)
+                << "\n";
     }
     PrintTable(group.segments);
     PrintDeclines(DeclinesOf(group.segments));
     std::cout << "\n";
   }
-  if (flags.recompute) {
+  if (options.recompute) {
     std::cout << "Recomputed from the sessions' rows: equal to the bit in all segments.\n";
   }
 }
@@ -200,8 +112,8 @@ void PrintText(const std::vector<Group>& groups, const StatsFlags& flags) {
 Status Stats(const CommandContext& context, const StatsFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*store, flags.map, flags.version));
-  MAPLOC_ASSIGN_OR_RETURN(const auto groups, ReadGroups(*store, map.info.key, flags));
-  context.json ? PrintJsonOf(groups, flags) : PrintText(groups, flags);
+  MAPLOC_ASSIGN_OR_RETURN(const auto groups, ReadGroups(*store, map.info.key, flags.groups));
+  context.json ? PrintJsonOf(groups, flags.groups) : PrintText(groups, flags.groups);
   return Status::Ok();
 }
 
@@ -217,7 +129,8 @@ void AddStatsCommand(CLI::App& app, CommandContext& context) {
   AddMapOption(*command, flags->map);
   AddVersionOption(*command, flags->version);
   command
-      ->add_option("--label", flags->labels, "Only sessions with this label (repeatable: with all)")
+      ->add_option("--label", flags->groups.labels,
+                   "Only sessions with this label (repeatable: with all)")
       ->check(CLI::Validator(
           [](const std::string& label) {
             const std::size_t split = label.find('=');
@@ -226,9 +139,9 @@ void AddStatsCommand(CLI::App& app, CommandContext& context) {
           },
           "KEY=VALUE", "label"))
       ->allow_extra_args(false);
-  command->add_option("--by", flags->by, "One table for each value of this label")
+  command->add_option("--by", flags->groups.by, "One table for each value of this label")
       ->type_name("KEY");
-  command->add_flag("--recompute", flags->recompute,
+  command->add_flag("--recompute", flags->groups.recompute,
                     "Derive them anew from the sessions' rows and compare to the bit");
 }
 
