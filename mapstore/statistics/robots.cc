@@ -5,7 +5,10 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <string_view>
 #include <utility>
+
+#include "mapstore/statistics/references.h"
 
 namespace maploc {
 namespace {
@@ -127,23 +130,24 @@ SegmentValues ValuesOf(RobotMetric metric, std::span<const RobotSession> session
   return values;
 }
 
-// The values of other robots' sessions, the nearest in time, at most as many as are asked for.
-std::vector<double> References(const Value& of, std::span<const Value> all,
-                               std::span<const RobotSession> sessions, std::int64_t most) {
-  const RobotSession& own = sessions[of.session];
-  std::vector<std::pair<std::int64_t, double>> others;  // distance in time, value
-  for (const Value& value : all) {
-    const RobotSession& other = sessions[value.session];
-    if (other.robot == own.robot) continue;
-    others.emplace_back(std::abs(other.start_unix_ns - own.start_unix_ns), value.value);
+// A number for each session's robot.
+std::vector<std::size_t> NumberRobots(std::span<const RobotSession> sessions) {
+  std::map<std::string_view, std::size_t> numbers;
+  std::vector<std::size_t> robots;
+  for (const RobotSession& session : sessions) {
+    robots.push_back(numbers.try_emplace(session.robot, numbers.size()).first->second);
   }
-  std::sort(others.begin(), others.end());
-  if (static_cast<std::int64_t>(others.size()) > most) {
-    others.resize(static_cast<std::size_t>(most));
+  return robots;
+}
+
+SegmentReferences ReferencesIn(std::span<const Value> values,
+                               std::span<const RobotSession> sessions,
+                               std::span<const std::size_t> robots) {
+  std::vector<TimedValue> timed;
+  for (const Value& value : values) {
+    timed.push_back({sessions[value.session].start_unix_ns, value.value, robots[value.session]});
   }
-  std::vector<double> values;
-  for (const auto& [distance, value] : others) values.push_back(value);
-  return values;
+  return SegmentReferences(timed);
 }
 
 // Medians of many differences; the worst supported one tells the references.
@@ -176,9 +180,12 @@ std::map<std::size_t, Difference> SessionDifferences(RobotMetric metric,
                                                      std::span<const RobotSession> sessions,
                                                      const RobotComparisonOptions& options) {
   std::map<std::size_t, std::vector<Difference>> by_session;
+  const std::vector<std::size_t> robots = NumberRobots(sessions);
   for (const auto& [segment, values] : ValuesOf(metric, sessions, options)) {
+    const SegmentReferences references = ReferencesIn(values, sessions, robots);
     for (const Value& value : values) {
-      std::vector<double> others = References(value, values, sessions, options.max_references);
+      std::vector<double> others = references.Nearest(
+          sessions[value.session].start_unix_ns, robots[value.session], options.max_references);
       if (others.empty()) continue;
       const auto count = static_cast<double>(others.size());
       const double median = Median(std::move(others));

@@ -28,7 +28,7 @@ struct RobotSession {
   SessionId session;
   std::string robot;
   std::int64_t start_unix_ns = 0;
-  std::vector<Observation> observations;
+  std::span<const Observation> observations;  // the caller's, alive while robots are compared
 };
 
 struct RobotComparisonOptions {

@@ -2,6 +2,9 @@
 #include "mapstore/statistics/robots.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <optional>
+#include <utility>
 
 #include <gmock/gmock.h>
 
@@ -28,6 +31,23 @@ struct Story {
   double session_scatter = 1.0;  // light, traffic: how much sessions differ
 };
 
+// A session that holds what it saw.
+struct ToldSession {
+  SessionId session;
+  std::string robot;
+  std::int64_t start_unix_ns = 0;
+  std::vector<Observation> observations;
+};
+
+FleetComparison Compare(const std::vector<ToldSession>& told,
+                        const RobotComparisonOptions& options = {}) {
+  std::vector<RobotSession> sessions;
+  for (const ToldSession& s : told) {
+    sessions.push_back({s.session, s.robot, s.start_unix_ns, s.observations});
+  }
+  return CompareRobots(sessions, options);
+}
+
 Observation Query(Random& random, int sequence, SegmentId segment, double ratio,
                   double gravity_rad) {
   Observation o;
@@ -47,12 +67,12 @@ Observation Query(Random& random, int sequence, SegmentId segment, double ratio,
 
 std::string NameOf(int robot) { return "r" + std::to_string(robot); }
 
-std::vector<RobotSession> Tell(const Story& story, Random& random) {
-  std::vector<RobotSession> sessions;
+std::vector<ToldSession> Tell(const Story& story, Random& random) {
+  std::vector<ToldSession> sessions;
   for (int s = 0; s < kSessionsEach; ++s) {
     for (int robot = 0; robot < kRobots; ++robot) {
       const int time = s * kRobots + robot;
-      RobotSession session{NameOf(robot) + "-" + std::to_string(s), NameOf(robot), time, {}};
+      ToldSession session{NameOf(robot) + "-" + std::to_string(s), NameOf(robot), time, {}};
       const double light = random.Gaussian(0.05 * story.session_scatter);
       const bool late = s >= kSessionsEach / 2;
       const bool tilted = robot == story.broken_imu && s >= story.broken_from;
@@ -95,7 +115,7 @@ std::vector<std::string> FlaggedSessions(const FleetComparison& fleet) {
 TEST(Robots, ABrokenImuIsFlaggedAmongFiveHealthyOnes) {
   for (int repetition = 0; repetition < 20; ++repetition) {
     Random random = TestRandom(repetition);
-    const FleetComparison fleet = CompareRobots(Tell({.broken_imu = 2}, random));
+    const FleetComparison fleet = Compare(Tell({.broken_imu = 2}, random));
     EXPECT_THAT(FlaggedRobots(fleet), ElementsAre("r2 gravity")) << TestSeed(repetition);
     const RobotDifference& gravity = fleet.robots[2].differences.front();
     EXPECT_NEAR(gravity.own, 5.0 * kDegree, 0.5 * kDegree);
@@ -108,7 +128,7 @@ TEST(Robots, AnImuThatBrokeYesterdayIsFlaggedInTheSessionsSince) {
   for (int repetition = 0; repetition < 20; ++repetition) {
     Random random = TestRandom(repetition);
     const auto story = Tell({.broken_imu = 4, .broken_from = 4}, random);
-    EXPECT_THAT(FlaggedSessions(CompareRobots(story)), ElementsAre("r4-4", "r4-5"))
+    EXPECT_THAT(FlaggedSessions(Compare(story)), ElementsAre("r4-4", "r4-5"))
         << TestSeed(repetition);
   }
 }
@@ -117,7 +137,7 @@ TEST(Robots, AnImuThatBrokeYesterdayIsFlaggedInTheSessionsSince) {
 TEST(Robots, ABlurredCameraShowsInItsPoints) {
   for (int repetition = 0; repetition < 20; ++repetition) {
     Random random = TestRandom(repetition);
-    EXPECT_THAT(FlaggedRobots(CompareRobots(Tell({.blurred_camera = 1}, random))),
+    EXPECT_THAT(FlaggedRobots(Compare(Tell({.blurred_camera = 1}, random))),
                 ElementsAre("r1 points"))
         << TestSeed(repetition);
   }
@@ -126,7 +146,7 @@ TEST(Robots, ABlurredCameraShowsInItsPoints) {
 TEST(Robots, ADyingSegmentIsNobodysFault) {
   for (int repetition = 0; repetition < 20; ++repetition) {
     Random random = TestRandom(repetition);
-    const FleetComparison fleet = CompareRobots(Tell({.dying_segment = 3}, random));
+    const FleetComparison fleet = Compare(Tell({.dying_segment = 3}, random));
     EXPECT_THAT(FlaggedRobots(fleet), IsEmpty()) << TestSeed(repetition);
     EXPECT_THAT(FlaggedSessions(fleet), IsEmpty()) << TestSeed(repetition);
   }
@@ -135,7 +155,7 @@ TEST(Robots, ADyingSegmentIsNobodysFault) {
 TEST(Robots, ADyingMapIsNobodysFault) {
   for (int repetition = 0; repetition < 20; ++repetition) {
     Random random = TestRandom(repetition);
-    const FleetComparison fleet = CompareRobots(Tell({.dies_for_all = true}, random));
+    const FleetComparison fleet = Compare(Tell({.dies_for_all = true}, random));
     EXPECT_THAT(FlaggedRobots(fleet), IsEmpty()) << TestSeed(repetition);
   }
 }
@@ -148,7 +168,7 @@ TEST(Robots, HealthyFleetsAreRarelyFlagged) {
   for (int repetition = 0; repetition < kFleets; ++repetition) {
     Random random = TestRandom(repetition);
     const double scatter = 1.0 + static_cast<double>(repetition % 3);
-    const FleetComparison fleet = CompareRobots(Tell({.session_scatter = scatter}, random));
+    const FleetComparison fleet = Compare(Tell({.session_scatter = scatter}, random));
     with_robot += FlaggedRobots(fleet).empty() ? 0 : 1;
     with_session += FlaggedSessions(fleet).empty() ? 0 : 1;
   }
@@ -161,25 +181,81 @@ TEST(Robots, HealthyFleetsAreRarelyFlagged) {
 
 TEST(Robots, OneRobotAloneOrRobotsApartCannotBeCompared) {
   Random random = TestRandom();
-  std::vector<RobotSession> sessions = Tell({.broken_imu = 0}, random);
-  std::erase_if(sessions, [](const RobotSession& s) { return s.robot != "r0"; });
-  const FleetComparison alone = CompareRobots(sessions);
+  std::vector<ToldSession> sessions = Tell({.broken_imu = 0}, random);
+  std::erase_if(sessions, [](const ToldSession& s) { return s.robot != "r0"; });
+  const FleetComparison alone = Compare(sessions);
   ASSERT_EQ(alone.robots.size(), 1u);
   EXPECT_EQ(alone.robots[0].sessions, kSessionsEach);
   EXPECT_THAT(alone.robots[0].differences, IsEmpty());
-  RobotSession elsewhere = sessions.front();
+  ToldSession elsewhere = sessions.front();
   elsewhere.robot = "far";
   for (Observation& o : elsewhere.observations) o.segment += 100;
   sessions.push_back(elsewhere);
-  EXPECT_THAT(FlaggedRobots(CompareRobots(sessions)), IsEmpty());
-  EXPECT_THAT(CompareRobots({}).robots, IsEmpty());
+  EXPECT_THAT(FlaggedRobots(Compare(sessions)), IsEmpty());
+  EXPECT_THAT(Compare({}).robots, IsEmpty());
 }
 
 TEST(Robots, OfTwoRobotsTheWorseOneIsFlagged) {
   Random random = TestRandom();
-  std::vector<RobotSession> sessions = Tell({.broken_imu = 0}, random);
-  std::erase_if(sessions, [](const RobotSession& s) { return s.robot > "r1"; });
-  EXPECT_THAT(FlaggedRobots(CompareRobots(sessions)), ElementsAre("r0 gravity"));
+  std::vector<ToldSession> sessions = Tell({.broken_imu = 0}, random);
+  std::erase_if(sessions, [](const ToldSession& s) { return s.robot > "r1"; });
+  EXPECT_THAT(FlaggedRobots(Compare(sessions)), ElementsAre("r0 gravity"));
+}
+
+// One segment, few moments, so that many sessions are equally near; a robot may have most of them.
+std::vector<ToldSession> RandomFleet(Random& random) {
+  std::vector<ToldSession> sessions;
+  const std::uint32_t count = 2 + random.Below(40);
+  const std::uint32_t moments = 1 + random.Below(60);
+  const double share_of_first = random.Uniform();
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const int robot = random.Uniform() < share_of_first ? 0 : static_cast<int>(random.Below(5));
+    ToldSession session{"s" + std::to_string(i), NameOf(robot), random.Below(moments), {}};
+    for (int q = 1; q <= 6; ++q) session.observations.push_back(Query(random, q, 0, 0.5, 0.0));
+    sessions.push_back(std::move(session));
+  }
+  return sessions;
+}
+
+double SuccessOf(const ToldSession& session) {
+  const auto localized =
+      std::count_if(session.observations.begin(), session.observations.end(),
+                    [](const Observation& o) { return o.outcome == Outcome::kLocalized; });
+  return static_cast<double>(localized) / static_cast<double>(session.observations.size());
+}
+
+// The median of the nearest others', all of them sorted by distance in time and value.
+std::optional<double> OthersByDefinition(const std::vector<ToldSession>& sessions,
+                                         const ToldSession& own, std::size_t most) {
+  std::vector<std::pair<std::int64_t, double>> others;
+  for (const ToldSession& s : sessions) {
+    if (s.robot == own.robot) continue;
+    others.emplace_back(std::abs(s.start_unix_ns - own.start_unix_ns), SuccessOf(s));
+  }
+  if (others.empty()) return std::nullopt;
+  std::sort(others.begin(), others.end());
+  others.resize(std::min(others.size(), most));
+  std::vector<double> values;
+  for (const auto& [distance, value] : others) values.push_back(value);
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle] + values[middle - 1]);
+}
+
+TEST(Robots, AreSetBesideTheNearestSessionsOfOthers) {
+  for (int repetition = 0; repetition < 500; ++repetition) {
+    Random random = TestRandom(repetition);
+    const std::vector<ToldSession> sessions = RandomFleet(random);
+    const std::uint32_t most = 1 + random.Below(12);
+    const FleetComparison fleet = Compare(sessions, {.max_references = most});
+    for (std::size_t i = 0; i < sessions.size(); ++i) {
+      std::optional<double> others;
+      for (const RobotDifference& d : fleet.sessions[i].differences) {
+        if (d.metric == RobotMetric::kSuccess) others = d.others;
+      }
+      ASSERT_EQ(others, OthersByDefinition(sessions, sessions[i], most)) << TestSeed(repetition);
+    }
+  }
 }
 
 }  // namespace
