@@ -34,8 +34,7 @@ Verdict JudgePose(const PoseProblem& problem, const RefinedPose& pose, const Cam
   };
   Verdict verdict;
   verdict.confidence = PoseConfidence(problem, pose, confidence);
-  if (verdict.confidence >= options.min_confidence &&
-      HasRival(problem, pose, options.max_reprojection_error_px)) {
+  if (verdict.confidence >= options.min_confidence && HasRival(problem, pose, confidence)) {
     verdict.confidence = std::min(kRivalledConfidence, options.min_confidence / 2);
   }
   if (verdict.confidence < options.min_confidence) {

@@ -1,7 +1,10 @@
 #include "server/pipeline/rival.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <optional>
 #include <vector>
 
 #include "server/ransac/estimator.h"
@@ -11,6 +14,11 @@ namespace maploc {
 namespace {
 
 constexpr std::uint64_t kSeed = 1;
+// log10 of a rival's false alarms: it is suspected long before it would be believed itself.
+constexpr double kMaxLogAlarms = 3.0;
+// What a pose is determined within (refinement/confidence.cc).
+constexpr double kSameRotationRad = 5.0 * std::numbers::pi / 180.0;
+constexpr double kSamePositionShare = 0.1;  // of the median depth
 
 int CountSet(const std::vector<std::uint8_t>& flags) {
   return static_cast<int>(std::count(flags.begin(), flags.end(), 1));
@@ -38,27 +46,64 @@ PoseProblem Part(const PoseProblem& problem, const RefinedPose& pose, std::uint8
   return part;
 }
 
-}  // namespace
+// Median depth of the inliers under the pose, in the map's unit.
+double MedianDepth(const PoseProblem& problem, const RefinedPose& pose) {
+  std::vector<double> depths;
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    if (pose.point_inliers[i] == 0) continue;
+    depths.push_back((pose.camera_from_map * problem.points[i].position_in_map).z());
+  }
+  for (std::size_t i = 0; i < problem.lines.size(); ++i) {
+    if (pose.line_inliers[i] == 0) continue;
+    const LineSegment3& segment = problem.lines[i].segment_in_map;
+    depths.push_back((pose.camera_from_map * (0.5 * (segment.start + segment.end))).z());
+  }
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return std::max(*middle, 0.0);
+}
 
-bool HasRival(const PoseProblem& problem, const RefinedPose& pose,
-              double max_reprojection_error_px) {
-  const int inliers = CountSet(pose.point_inliers) + CountSet(pose.line_inliers);
-  const int needed = std::max(kLeastRival, static_cast<int>(kRivalShare * inliers + 0.999));
-  const PoseProblem left_over = Part(problem, pose, 0);
-  if (static_cast<int>(left_over.points.size() + left_over.lines.size()) < needed) return false;
+// So near that both may be the tail of one pose's noise, or of the map's.
+bool IsSamePose(const PoseProblem& problem, const RefinedPose& pose, const RefinedPose& rival) {
+  const Rigid3& a = pose.camera_from_map;
+  const Rigid3& b = rival.camera_from_map;
+  const double apart = (a.Inverse().translation - b.Inverse().translation).norm();
+  return RotationAngleBetween(a.rotation, b.rotation) < kSameRotationRad &&
+         apart < kSamePositionShare * MedianDepth(problem, pose);
+}
+
+std::optional<RefinedPose> BestPose(const PoseProblem& problem, double max_reprojection_error_px) {
   RansacOptions options;
   options.strategy = problem.has_gravity ? Strategy::kMixed : Strategy::kP3P;
   options.fall_back = false;
   options.max_reprojection_error_px = max_reprojection_error_px;
   options.max_iterations = kRivalIterations;
   options.seed = kSeed;
-  const Consensus rival = EstimateConsensus(left_over, options);
-  if (!rival.found || CountSet(rival.point_inliers) + CountSet(rival.line_inliers) < needed) {
+  const Consensus consensus = EstimateConsensus(problem, options);
+  if (!consensus.found) return std::nullopt;
+  RefineOptions refine;
+  refine.max_reprojection_error_px = max_reprojection_error_px;
+  RefinedPose pose = RefinePose(problem, consensus.camera_from_map, refine);
+  if (!pose.converged) return std::nullopt;
+  return pose;
+}
+
+}  // namespace
+
+bool HasRival(const PoseProblem& problem, const RefinedPose& pose,
+              const ConfidenceOptions& options) {
+  const int inliers = CountSet(pose.point_inliers) + CountSet(pose.line_inliers);
+  const int needed = std::max(kLeastRival, static_cast<int>(std::ceil(kRivalShare * inliers)));
+  const PoseProblem left_over = Part(problem, pose, 0);
+  if (static_cast<int>(left_over.points.size() + left_over.lines.size()) < needed) return false;
+  const std::optional<RefinedPose> rival = BestPose(left_over, options.max_reprojection_error_px);
+  if (!rival || CountSet(rival->point_inliers) + CountSet(rival->line_inliers) < needed) {
     return false;
   }
-  const InlierFlags shared =
-      FindInliers(Part(problem, pose, 1), rival.camera_from_map, max_reprojection_error_px);
-  return 2 * shared.count < inliers;
+  if (IsSamePose(problem, pose, *rival)) return false;
+  ConfidenceOptions chance = options;
+  chance.iterations = kRivalIterations;
+  return LogNumberOfFalseAlarms(left_over, *rival, chance) < kMaxLogAlarms;
 }
 
 }  // namespace maploc

@@ -7,16 +7,19 @@
 #pragma once
 
 #include "mapstore/model/matches.h"
+#include "server/refinement/confidence.h"
 #include "server/refinement/refine.h"
 
 namespace maploc {
 
 // Whether the outliers of `pose` hold another pose with at least kRivalShare of its inliers, and
 // kLeastRival. Another: fewer than half of the pose's own inliers agree with it too (the tail of
-// one pose's noise is no rival). Samples are drawn with gravity where the problem has it. At most
-// kRivalIterations; nothing where too little is left over. Deterministic; thread-safe.
+// one pose's noise is no rival). Among many matches five agree with some pose by accident: a rival
+// has fewer than one false alarm by the test that the pose itself has passed. Samples are drawn
+// with gravity where the problem has it. At most kRivalIterations; nothing where too little is left
+// over. `options.iterations` is not looked at. Deterministic; thread-safe.
 bool HasRival(const PoseProblem& problem, const RefinedPose& pose,
-              double max_reprojection_error_px);
+              const ConfidenceOptions& options);
 
 inline constexpr double kRivalShare = 0.4;
 inline constexpr int kLeastRival = 5;

@@ -15,7 +15,6 @@ namespace maploc::testing {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kThresholdPx = 4.0;
 
 struct Judged {
   bool beyond_chance = false;  // the test against chance alone would tell it
@@ -87,7 +86,7 @@ TEST(Rival, NeedsSomethingLeftOver) {
   options.point_outliers = 4;
   const SyntheticProblem made = MakeSyntheticProblem(options, random);
   const RefinedPose pose = RefinePose(made.problem, made.camera_from_map, {});
-  EXPECT_FALSE(HasRival(made.problem, pose, kThresholdPx));
+  EXPECT_FALSE(HasRival(made.problem, pose, {}));
 }
 
 }  // namespace
