@@ -18,10 +18,6 @@
 namespace maploc {
 namespace {
 
-// Hypotheses without gravity after those with a wrong one failed: enough for matches of which a
-// sixth are right, at a cost that every query without an answer can bear.
-constexpr int kIterationsAgainstGravity = 2000;
-
 // The smallest samples of any strategy with gravity are two points, or a point and a line.
 bool CanDraw(const PoseProblem& problem) {
   if (!problem.has_gravity) return problem.points.size() >= 3;

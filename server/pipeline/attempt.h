@@ -25,6 +25,10 @@ struct QueryContext {
   const View& view() const { return query.views.front(); }
 };
 
+// Hypotheses without gravity after those with a wrong one failed: enough for matches of which a
+// sixth are right, at a cost that every query without an answer can bear.
+inline constexpr int kIterationsAgainstGravity = 2000;
+
 // The one that was asked for, else the segment's.
 Strategy ChooseStrategy(const QueryContext& context, const StrategyDecision& decision);
 

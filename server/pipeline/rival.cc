@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <vector>
 
 #include "server/ransac/estimator.h"
+#include "server/refinement/determination.h"
 #include "server/solvers/reprojection.h"
 
 namespace maploc {
@@ -16,9 +16,6 @@ namespace {
 constexpr std::uint64_t kSeed = 1;
 // log10 of a rival's false alarms: it is suspected long before it would be believed itself.
 constexpr double kMaxLogAlarms = 3.0;
-// What a pose is determined within (refinement/confidence.cc).
-constexpr double kSameRotationRad = 5.0 * std::numbers::pi / 180.0;
-constexpr double kSamePositionShare = 0.1;  // of the median depth
 
 int CountSet(const std::vector<std::uint8_t>& flags) {
   return static_cast<int>(std::count(flags.begin(), flags.end(), 1));
@@ -46,30 +43,13 @@ PoseProblem Part(const PoseProblem& problem, const RefinedPose& pose, std::uint8
   return part;
 }
 
-// Median depth of the inliers under the pose, in the map's unit.
-double MedianDepth(const PoseProblem& problem, const RefinedPose& pose) {
-  std::vector<double> depths;
-  for (std::size_t i = 0; i < problem.points.size(); ++i) {
-    if (pose.point_inliers[i] == 0) continue;
-    depths.push_back((pose.camera_from_map * problem.points[i].position_in_map).z());
-  }
-  for (std::size_t i = 0; i < problem.lines.size(); ++i) {
-    if (pose.line_inliers[i] == 0) continue;
-    const LineSegment3& segment = problem.lines[i].segment_in_map;
-    depths.push_back((pose.camera_from_map * (0.5 * (segment.start + segment.end))).z());
-  }
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return std::max(*middle, 0.0);
-}
-
 // So near that both may be the tail of one pose's noise, or of the map's.
 bool IsSamePose(const PoseProblem& problem, const RefinedPose& pose, const RefinedPose& rival) {
   const Rigid3& a = pose.camera_from_map;
   const Rigid3& b = rival.camera_from_map;
   const double apart = (a.Inverse().translation - b.Inverse().translation).norm();
-  return RotationAngleBetween(a.rotation, b.rotation) < kSameRotationRad &&
-         apart < kSamePositionShare * MedianDepth(problem, pose);
+  return RotationAngleBetween(a.rotation, b.rotation) < kMaxSpread.rotation_rad &&
+         apart < kMaxSpread.position_share * MedianInlierDepth(problem, pose);
 }
 
 std::optional<RefinedPose> BestPose(const PoseProblem& problem, double max_reprojection_error_px) {

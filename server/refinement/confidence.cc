@@ -27,8 +27,6 @@ struct Knot {
 constexpr std::array<Knot, 6> kCalibration = {
     {{-12.0, 9.2}, {-5.5, 4.5952}, {-2.0, 2.3}, {0.0, 0.55}, {2.0, -2.3}, {3.5, -5.6}}};
 // A pose that its inliers do not determine is not to be trusted, however unlikely they are.
-constexpr PoseSpread kMaxSpread = {.rotation_rad = 5.0 * std::numbers::pi / 180.0,
-                                   .position_share = 0.1};
 constexpr double kUndeterminedConfidence = 0.5;
 // Pairs of outliers share a displacement less often than a pattern's commonest one occurs.
 constexpr double kRepeatFactor = 3.0;

@@ -40,13 +40,6 @@ class Measurements {
   const PoseMatrix& pose() const { return pose_; }
   const std::vector<Jacobian26>& jacobians() const { return jacobians_; }
 
-  double MedianDepth() const {
-    std::vector<double> depths = depths_;
-    const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-    std::nth_element(depths.begin(), middle, depths.end());
-    return *middle;
-  }
-
  private:
   // Every step-th inlier is looked at: their mean information counts, which more do not change.
   static std::size_t Step(const RefinedPose& pose) {
@@ -65,17 +58,12 @@ class Measurements {
     return Eigen::Vector3d::Zero();
   }
 
-  double Depth(const Eigen::Vector3d& about_origin) const {
-    return (pose_.rotation * about_origin + pose_.translation).z();
-  }
-
   void Add(PointCorrespondence point) {
     point.position_in_map -= origin_;
     Eigen::Vector2d error;
     Jacobian26 jacobian;
     if (!PointReprojection(pose_, point, &error, &jacobian)) return;
     jacobians_.push_back(jacobian);
-    depths_.push_back(Depth(point.position_in_map));
   }
 
   void Add(LineCorrespondence line) {
@@ -85,15 +73,11 @@ class Measurements {
     Jacobian26 jacobian;
     if (!LineReprojection(pose_, line, &error, &jacobian)) return;
     jacobians_.push_back(jacobian);
-    // Of the middle of what is in front: a line may begin behind the camera.
-    depths_.push_back(0.5 * (std::max(Depth(line.segment_in_map.start), 0.0) +
-                             std::max(Depth(line.segment_in_map.end), 0.0)));
   }
 
   Eigen::Vector3d origin_;
   PoseMatrix pose_;
   std::vector<Jacobian26> jacobians_;
-  std::vector<double> depths_;
 };
 
 double LargestSigma(const Eigen::Matrix3d& covariance) {
@@ -115,6 +99,26 @@ double ShareOfLimit(const PoseMatrix& pose, const Matrix6& covariance, double ro
 
 }  // namespace
 
+double MedianInlierDepth(const PoseProblem& problem, const RefinedPose& pose) {
+  const auto depth = [&](const Eigen::Vector3d& in_map) {
+    return (pose.camera_from_map * in_map).z();
+  };
+  std::vector<double> depths;
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    if (pose.point_inliers[i] != 0) depths.push_back(depth(problem.points[i].position_in_map));
+  }
+  for (std::size_t i = 0; i < problem.lines.size(); ++i) {
+    if (pose.line_inliers[i] == 0) continue;
+    const LineSegment3& segment = problem.lines[i].segment_in_map;
+    depths.push_back(0.5 *
+                     (std::max(depth(segment.start), 0.0) + std::max(depth(segment.end), 0.0)));
+  }
+  if (depths.empty()) return 0.0;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
 bool IsDetermined(const PoseProblem& problem, const RefinedPose& pose,
                   double max_reprojection_error_px, const PoseSpread& limit) {
   const Measurements measurements(problem, pose);
@@ -130,7 +134,7 @@ bool IsDetermined(const PoseProblem& problem, const RefinedPose& pose,
       problem.has_gravity
           ? SoftGravityCovariance(information, problem.gravity_in_camera, problem.gravity_sigma_rad)
           : FreeCovariance(information);
-  const double position = limit.position_share * measurements.MedianDepth();
+  const double position = limit.position_share * MedianInlierDepth(problem, pose);
   if (!(position > 0)) return false;
   const double with_all =
       ShareOfLimit(measurements.pose(), covariance, limit.rotation_rad, position);

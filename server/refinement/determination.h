@@ -3,6 +3,8 @@
 // one wrong match at another depth, then choose the pose.
 #pragma once
 
+#include <numbers>
+
 #include "server/refinement/refine.h"
 
 namespace maploc {
@@ -12,6 +14,14 @@ struct PoseSpread {
   double rotation_rad = 0.0;
   double position_share = 0.0;
 };
+
+// What is asked of a pose that is told; nearer than this, two poses may be one and its noise.
+inline constexpr PoseSpread kMaxSpread = {.rotation_rad = 5.0 * std::numbers::pi / 180.0,
+                                          .position_share = 0.1};
+
+// Median depth of the inliers under the pose, in the map's unit: of a line, that of the middle of
+// its part in front of the camera. 0 without inliers. Thread-safe.
+double MedianInlierDepth(const PoseProblem& problem, const RefinedPose& pose);
 
 // True when the pose stays within `limit` by inliers that are worth no more than what is known of
 // them, WHICHEVER one of them is left out:

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 
+#include "server/pipeline/attempt.h"
 #include "server/refinement/gravity_check.h"
 #include "server/refinement/refine.h"
 
 namespace maploc::experiments {
 namespace {
-
-constexpr int kIterationsAgainstGravity = 2000;  // the product's, in server/pipeline/attempt.cc
 
 const Camera& ImageCamera() {
   static const Camera camera =
