@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <Eigen/Cholesky>
 
@@ -39,34 +40,37 @@ double TukeyWeight(double error2, double threshold2) {
   return inside > 0 ? inside * inside : 0.0;
 }
 
-// What lies near is found in single precision, all features at a time; most are outliers.
-void AddPoints(const PreparedProblem& prepared, const PoseMatrix& pose, const ScoringOptions& near,
-               std::vector<std::uint32_t>* places, NormalEquations* equations) {
-  const double threshold2 = static_cast<double>(near.threshold) * near.threshold;
-  const std::size_t count =
-      std::min(kMaxFeaturesOfKind,
-               FindScoringPoints(prepared.point_arrays, ToScoringPose(pose), near, places));
-  Eigen::Vector2d error;
-  Jacobian26 jacobian;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t index = prepared.point_places.feature_at[(*places)[i]];
-    if (!PointReprojection(pose, prepared.centred.points[index], &error, &jacobian)) continue;
-    equations->Add(error, jacobian, TukeyWeight(error.squaredNorm(), threshold2));
-  }
+bool Reproject(const PoseMatrix& pose, const PointCorrespondence& point, Eigen::Vector2d* error,
+               Jacobian26* jacobian) {
+  return PointReprojection(pose, point, error, jacobian);
 }
 
-void AddLines(const PreparedProblem& prepared, const PoseMatrix& pose, const ScoringOptions& near,
-              std::vector<std::uint32_t>* places, NormalEquations* equations) {
-  const double threshold2 = static_cast<double>(near.threshold) * near.threshold;
-  const std::size_t count =
-      std::min(kMaxFeaturesOfKind,
-               FindScoringLines(prepared.line_arrays, ToScoringPose(pose), near, places));
+bool Reproject(const PoseMatrix& pose, const LineCorrespondence& line, Eigen::Vector2d* error,
+               Jacobian26* jacobian) {
+  return LineReprojection(pose, line, error, jacobian);
+}
+
+// What scoring squares: a point's distance, the mean over a line's two end points.
+double ScoredError2(const PointCorrespondence&, const Eigen::Vector2d& error) {
+  return error.squaredNorm();
+}
+
+double ScoredError2(const LineCorrespondence&, const Eigen::Vector2d& error) {
+  return 0.5 * error.squaredNorm();
+}
+
+// `near`: the places of the features that score within `threshold`.
+template <typename Correspondence>
+void AddNear(const std::vector<Correspondence>& features, const Places& places,
+             std::span<const std::uint32_t> near, double threshold, const PoseMatrix& pose,
+             NormalEquations* equations) {
   Eigen::Vector2d error;
   Jacobian26 jacobian;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t index = prepared.line_places.feature_at[(*places)[i]];
-    if (!LineReprojection(pose, prepared.centred.lines[index], &error, &jacobian)) continue;
-    equations->Add(error, jacobian, TukeyWeight(0.5 * error.squaredNorm(), threshold2));
+  for (const std::uint32_t place : near.first(std::min(near.size(), kMaxFeaturesOfKind))) {
+    const Correspondence& feature = features[places.feature_at[place]];
+    if (!Reproject(pose, feature, &error, &jacobian)) continue;
+    equations->Add(error, jacobian,
+                   TukeyWeight(ScoredError2(feature, error), threshold * threshold));
   }
 }
 
@@ -102,11 +106,18 @@ bool LocalOptimizer::Step(double threshold, PoseMatrix* camera_from_centred) {
                                .min_line_length = static_cast<float>(
                                    kMinProjectedLinePx / prepared_.centred.focal_length_px)};
   NormalEquations equations;
-  AddPoints(prepared_, *camera_from_centred, near, &places_, &equations);
-  AddLines(prepared_, *camera_from_centred, near, &places_, &equations);
+  // What lies near is found in single precision, all features at a time; most are outliers.
+  const PoseMatrix& pose = *camera_from_centred;
+  const ScoringPose scoring_pose = ToScoringPose(pose);
+  std::size_t count = FindScoringPoints(prepared_.point_arrays, scoring_pose, near, &places_);
+  AddNear(prepared_.centred.points, prepared_.point_places, {places_.data(), count}, threshold,
+          pose, &equations);
+  count = FindScoringLines(prepared_.line_arrays, scoring_pose, near, &places_);
+  AddNear(prepared_.centred.lines, prepared_.line_places, {places_.data(), count}, threshold, pose,
+          &equations);
   if (equations.features < (use_gravity_ ? 2 : 3)) return false;
   if (use_gravity_) {
-    AddGravity(prepared_.centred, threshold / kSigmasOfThreshold, *camera_from_centred, &equations);
+    AddGravity(prepared_.centred, threshold / kSigmasOfThreshold, pose, &equations);
   }
   // Relative damping: harmless where the equations are regular.
   equations.matrix.diagonal() *= 1.0 + 1e-6;

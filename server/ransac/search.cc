@@ -1,6 +1,7 @@
 #include "server/ransac/search.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -14,10 +15,10 @@ namespace {
 // A rejected draw is drawn again this often before the iteration counts as spent.
 constexpr int kMaxRedraws = 10;
 constexpr int kPollInterval = 16;  // iterations between two looks at the clock
-// Thresholds, in units of the inlier threshold, of the steps of local optimization. The first also
-// covers what gravity's error does to the features outside of the sample.
-constexpr double kLocalThresholds[] = {4.0, 2.0, 1.0, 1.0};
-constexpr double kGravitySigmas = 2.0;
+// Of the first step of local optimization, in units of the inlier threshold; it also covers what
+// gravity's error does to the features outside of the sample. The next steps narrow it down.
+constexpr double kFirstThreshold = 4.0;
+constexpr double kGravitySigmasOfFirst = 2.0;
 constexpr double kMaxFirstThreshold = 16.0;
 
 // Runners-up are optimized while the features looked at stay below so many an iteration.
@@ -41,7 +42,7 @@ class Search {
         scoring_{.threshold = static_cast<float>(threshold_),
                  .min_line_length =
                      static_cast<float>(kMinProjectedLinePx / prepared.centred.focal_length_px)},
-        first_threshold_(FirstThreshold()),
+        local_thresholds_(LocalThresholds()),
         pretest_(prepared, scoring_),
         optimizer_(prepared, strategy != Strategy::kP3P) {}
 
@@ -62,10 +63,11 @@ class Search {
   }
 
  private:
-  double FirstThreshold() const {
+  std::array<double, 4> LocalThresholds() const {
     const double sigma = strategy_ == Strategy::kP3P ? 0.0 : prepared_.centred.gravity_sigma_rad;
-    return std::min(kMaxFirstThreshold * threshold_,
-                    std::hypot(kLocalThresholds[0] * threshold_, kGravitySigmas * sigma));
+    const double first = std::hypot(kFirstThreshold * threshold_, kGravitySigmasOfFirst * sigma);
+    return {std::min(kMaxFirstThreshold * threshold_, first), 2.0 * threshold_, threshold_,
+            threshold_};
   }
 
   bool Interrupted() const {
@@ -132,9 +134,7 @@ class Search {
 
   bool OptimizeLocally(PoseMatrix pose) {
     bool improved = false;
-    for (const double factor : kLocalThresholds) {
-      const double threshold =
-          factor == kLocalThresholds[0] ? first_threshold_ : factor * threshold_;
+    for (const double threshold : local_thresholds_) {
       if (!optimizer_.Step(threshold, &pose)) break;
       improved |= Keep(pose, Score(ToScoringPose(pose)));
     }
@@ -182,7 +182,7 @@ class Search {
   Sampler sampler_;
   const double threshold_;  // plane z = 1
   const ScoringOptions scoring_;
-  const double first_threshold_;  // of local optimization
+  const std::array<double, 4> local_thresholds_;  // of the steps of local optimization
   Pretest pretest_;
   LocalOptimizer optimizer_;
   double best_sampled_score_ = 0.0;
