@@ -1,16 +1,11 @@
 #include "server/pipeline/judge.h"
 
-#include <algorithm>
-
 #include "mapstore/geometry/line.h"
 #include "server/pipeline/rival.h"
 #include "server/refinement/confidence.h"
 
 namespace maploc {
 namespace {
-
-// Of a pose with a rival: one of the two is wrong at least.
-constexpr double kRivalledConfidence = 0.5;
 
 void Count(bool inlier, FeatureCounts& counts) {
   ++counts.matches;
@@ -35,7 +30,7 @@ Verdict JudgePose(const PoseProblem& problem, const RefinedPose& pose, const Cam
   Verdict verdict;
   verdict.confidence = PoseConfidence(problem, pose, confidence);
   if (verdict.confidence >= options.min_confidence && HasRival(problem, pose, confidence)) {
-    verdict.confidence = std::min(kRivalledConfidence, options.min_confidence / 2);
+    verdict.confidence = options.min_confidence / 2;  // of two rivals one is wrong at least
   }
   if (verdict.confidence < options.min_confidence) {
     verdict.outcome = Outcome::kLowConfidence;

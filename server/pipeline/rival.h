@@ -13,11 +13,11 @@
 namespace maploc {
 
 // Whether the outliers of `pose` hold another pose with at least kRivalShare of its inliers, and
-// kLeastRival. Another: fewer than half of the pose's own inliers agree with it too (the tail of
-// one pose's noise is no rival). Among many matches five agree with some pose by accident: a rival
-// has fewer than one false alarm by the test that the pose itself has passed. Samples are drawn
-// with gravity where the problem has it. At most kRivalIterations; nothing where too little is left
-// over. `options.iterations` is not looked at. Deterministic; thread-safe.
+// kLeastRival. Another: more than kMaxSpread (determination.h) away, which one pose's noise is not.
+// Among many matches five agree with some pose by accident: a rival has at most 1000 false alarms
+// by the test that the pose itself has passed. Samples are drawn with gravity where the problem has
+// it. At most kRivalIterations; nothing where too little is left over. `options.iterations` is not
+// looked at. Deterministic; thread-safe.
 bool HasRival(const PoseProblem& problem, const RefinedPose& pose,
               const ConfidenceOptions& options);
 
