@@ -3,9 +3,9 @@
 namespace maploc {
 namespace {
 
-std::vector<Segment> PlacesOf(const StoredMap& map) {
+std::vector<Segment> PlacesOf(const InMemoryMap& map) {
   std::vector<Segment> places;
-  for (const StoredSegment& stored : map.segments) {
+  for (const InMemorySegment& stored : map.segments) {
     places.push_back(WithoutDescriptors(*stored.segment));
   }
   return places;
@@ -19,7 +19,7 @@ std::vector<Observation> InOrder(const std::map<std::int64_t, Observation>& obse
   return ordered;
 }
 
-SegmentSummary Summarize(const StoredSegment& stored) {
+SegmentSummary Summarize(const InMemorySegment& stored) {
   const Segment& segment = *stored.segment;
   SegmentSummary summary;
   summary.id = segment.id;
@@ -34,7 +34,7 @@ SegmentSummary Summarize(const StoredSegment& stored) {
   return summary;
 }
 
-std::vector<Inheritance> InheritanceOf(const StoredMap& map, const StoredMap& predecessor) {
+std::vector<Inheritance> InheritanceOf(const InMemoryMap& map, const InMemoryMap& predecessor) {
   const MapInfo& old_info = predecessor.summary.info;
   return InheritFrom(old_info.key.version, old_info, PlacesOf(predecessor), predecessor.inheritance,
                      map.summary.info, PlacesOf(map));

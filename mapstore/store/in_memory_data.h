@@ -18,7 +18,7 @@
 
 namespace maploc {
 
-struct StoredSegment {
+struct InMemorySegment {
   std::shared_ptr<const Segment> segment;
   // In folding order, also those of revoked sessions.
   std::map<std::pair<std::int64_t, SessionId>, SegmentSessionRow> rows;
@@ -26,22 +26,22 @@ struct StoredSegment {
   SegmentState state;
 };
 
-struct StoredMap {
+struct InMemoryMap {
   MapSummary summary;
-  std::vector<StoredSegment> segments;   // by id
-  std::vector<Inheritance> inheritance;  // a source is a version of the same name
+  std::vector<InMemorySegment> segments;  // by id
+  std::vector<Inheritance> inheritance;   // a source is a version of the same name
 };
 
-struct StoredSession {
+struct InMemorySession {
   Session session;
   std::map<std::int64_t, Observation> observations;  // by sequence
   SessionSummary summary;                            // once ended
 };
 
 std::vector<Observation> InOrder(const std::map<std::int64_t, Observation>& observations);
-SegmentSummary Summarize(const StoredSegment& stored);
+SegmentSummary Summarize(const InMemorySegment& stored);
 // What `map` inherits from the version before it.
-std::vector<Inheritance> InheritanceOf(const StoredMap& map, const StoredMap& predecessor);
+std::vector<Inheritance> InheritanceOf(const InMemoryMap& map, const InMemoryMap& predecessor);
 
 // Declared here because its sources are two: maps and sessions, and what is learned from them.
 class InMemoryStore : public MapStore {
@@ -75,27 +75,27 @@ class InMemoryStore : public MapStore {
   Status Verify() const override;
 
   // For the writer.
-  void Publish(StoredMap map);
+  void Publish(InMemoryMap map);
   void Abandon(const MapKey& key);
   const SelectorOptions& selector() const { return options_.selector; }
 
  private:
   // REQUIRES: mutex_ is held (all of them).
-  Result<const StoredMap*> FindMap(const MapKey& key) const;
-  Result<const StoredSegment*> FindSegment(const MapKey& key, SegmentId id) const;
+  Result<const InMemoryMap*> FindMap(const MapKey& key) const;
+  Result<const InMemorySegment*> FindSegment(const MapKey& key, SegmentId id) const;
   Status SetRevoked(const SessionId& id, bool revoked);
   Status CheckObservations(const Session& session, std::span<const Observation> observations) const;
   Result<SegmentTruth> FindTruth(const MapKey& key, SegmentId id) const;
-  std::vector<TrueRow> RowsOf(const StoredMap& map, SegmentId id) const;
-  SegmentTruth TruthOf(const StoredMap& map, SegmentId id) const;
-  void Derive(StoredMap& map, SegmentId id) const;
-  void DeriveVisited(const StoredSession& session);
+  std::vector<TrueRow> RowsOf(const InMemoryMap& map, SegmentId id) const;
+  SegmentTruth TruthOf(const InMemoryMap& map, SegmentId id) const;
+  void Derive(InMemoryMap& map, SegmentId id) const;
+  void DeriveVisited(const InMemorySession& session);
 
   const StoreOptions options_;
   mutable std::mutex mutex_;
-  std::map<MapKey, StoredMap> maps_;
+  std::map<MapKey, InMemoryMap> maps_;
   std::set<MapKey> imports_;  // versions that are given but not published
-  std::map<SessionId, StoredSession> sessions_;
+  std::map<SessionId, InMemorySession> sessions_;
   std::int64_t change_counter_ = 0;
 };
 

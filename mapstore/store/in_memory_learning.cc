@@ -4,7 +4,7 @@
 
 namespace maploc {
 
-std::vector<TrueRow> InMemoryStore::RowsOf(const StoredMap& map, SegmentId id) const {
+std::vector<TrueRow> InMemoryStore::RowsOf(const InMemoryMap& map, SegmentId id) const {
   std::vector<TrueRow> rows;
   for (const auto& [order, row] : map.segments[static_cast<std::size_t>(id)].rows) {
     const Session& session = sessions_.at(row.session).session;
@@ -14,7 +14,7 @@ std::vector<TrueRow> InMemoryStore::RowsOf(const StoredMap& map, SegmentId id) c
 }
 
 // All rows of this store are counted with the same options.
-SegmentTruth InMemoryStore::TruthOf(const StoredMap& map, SegmentId id) const {
+SegmentTruth InMemoryStore::TruthOf(const InMemoryMap& map, SegmentId id) const {
   std::vector<TrueRow> older;
   const std::vector<Inheritance> shares = SharesBehind(id, map.inheritance);
   for (const Inheritance& share : shares) {
@@ -32,12 +32,12 @@ SegmentTruth InMemoryStore::TruthOf(const StoredMap& map, SegmentId id) const {
   return truth;
 }
 
-void InMemoryStore::Derive(StoredMap& map, SegmentId id) const {
+void InMemoryStore::Derive(InMemoryMap& map, SegmentId id) const {
   map.segments[static_cast<std::size_t>(id)].state = DeriveState(TruthOf(map, id));
 }
 
 // The segments that the session saw, and those that inherit from them.
-void InMemoryStore::DeriveVisited(const StoredSession& session) {
+void InMemoryStore::DeriveVisited(const InMemorySession& session) {
   const MapKey& key = session.session.map;
   for (const SessionSummary::SegmentChange& visited : session.summary.segments) {
     Derive(maps_.at(key), visited.segment);
@@ -70,7 +70,7 @@ Result<SessionSummary> InMemoryStore::EndSession(const SessionId& id, SessionEnd
   const std::lock_guard lock(mutex_);
   const auto found = sessions_.find(id);
   if (found == sessions_.end()) return UnknownSession(id);
-  StoredSession& stored = found->second;
+  InMemorySession& stored = found->second;
   if (stored.session.end != SessionEnd::kOpen) return stored.summary;
   MAPLOC_RETURN_IF_ERROR(CheckObservations(stored.session, last));
 
@@ -80,7 +80,7 @@ Result<SessionSummary> InMemoryStore::EndSession(const SessionId& id, SessionEnd
   stored.summary = SummarizeSession(id, end, observations, rows);
   stored.session.end = end;
   stored.session.end_unix_ns = end_unix_ns;
-  StoredMap& map = maps_.at(stored.session.map);
+  InMemoryMap& map = maps_.at(stored.session.map);
   const auto strategy_of = [&map](SegmentId segment) {
     return map.segments[static_cast<std::size_t>(segment)].state.derived.decision.strategy;
   };
@@ -119,8 +119,8 @@ Status InMemoryStore::PinStrategy(const MapKey& key, SegmentId id, std::optional
   MAPLOC_RETURN_IF_ERROR(ValidatePin(pinned));
   const std::lock_guard lock(mutex_);
   MAPLOC_RETURN_IF_ERROR(FindSegment(key, id).status());
-  StoredMap& map = maps_.at(key);
-  StoredSegment& segment = map.segments[static_cast<std::size_t>(id)];
+  InMemoryMap& map = maps_.at(key);
+  InMemorySegment& segment = map.segments[static_cast<std::size_t>(id)];
   if (segment.state.pinned == pinned) return Status::Ok();
   segment.pins.push_back({SystemClock().NowUnixNanos(), pinned});
   Derive(map, id);

@@ -48,7 +48,7 @@ class InMemoryWriter : public MapWriter {
 
  private:
   InMemoryStore& store_;
-  StoredMap map_;
+  InMemoryMap map_;
   MapKey key_;
   LandmarkCounter counter_;
   bool committed_ = false;
@@ -56,7 +56,7 @@ class InMemoryWriter : public MapWriter {
 
 }  // namespace
 
-void InMemoryStore::Publish(StoredMap map) {
+void InMemoryStore::Publish(InMemoryMap map) {
   const std::lock_guard lock(mutex_);
   const MapKey key = map.summary.info.key;
   imports_.erase(key);
@@ -64,7 +64,7 @@ void InMemoryStore::Publish(StoredMap map) {
   if (after != maps_.begin() && std::prev(after)->first.name == key.name) {
     map.inheritance = InheritanceOf(map, std::prev(after)->second);
   }
-  StoredMap& published = maps_.insert_or_assign(key, std::move(map)).first->second;
+  InMemoryMap& published = maps_.insert_or_assign(key, std::move(map)).first->second;
   for (const Inheritance& share : published.inheritance) Derive(published, share.to);
   ++change_counter_;
 }
@@ -74,14 +74,14 @@ void InMemoryStore::Abandon(const MapKey& key) {
   imports_.erase(key);
 }
 
-Result<const StoredMap*> InMemoryStore::FindMap(const MapKey& key) const {
+Result<const InMemoryMap*> InMemoryStore::FindMap(const MapKey& key) const {
   const auto found = maps_.find(key);
   if (found == maps_.end()) return UnknownMap(key);
   return &found->second;
 }
 
-Result<const StoredSegment*> InMemoryStore::FindSegment(const MapKey& key, SegmentId id) const {
-  MAPLOC_ASSIGN_OR_RETURN(const StoredMap* map, FindMap(key));
+Result<const InMemorySegment*> InMemoryStore::FindSegment(const MapKey& key, SegmentId id) const {
+  MAPLOC_ASSIGN_OR_RETURN(const InMemoryMap* map, FindMap(key));
   if (id < 0 || static_cast<std::size_t>(id) >= map->segments.size()) {
     return UnknownSegment(key, id);
   }
@@ -108,28 +108,28 @@ Result<MapSummary> InMemoryStore::GetMap(const std::string& name) const {
 
 Result<MapSummary> InMemoryStore::GetMap(const MapKey& key) const {
   const std::lock_guard lock(mutex_);
-  MAPLOC_ASSIGN_OR_RETURN(const StoredMap* map, FindMap(key));
+  MAPLOC_ASSIGN_OR_RETURN(const InMemoryMap* map, FindMap(key));
   return map->summary;
 }
 
 Result<std::vector<SegmentSummary>> InMemoryStore::ListSegments(const MapKey& key) const {
   const std::lock_guard lock(mutex_);
-  MAPLOC_ASSIGN_OR_RETURN(const StoredMap* map, FindMap(key));
+  MAPLOC_ASSIGN_OR_RETURN(const InMemoryMap* map, FindMap(key));
   std::vector<SegmentSummary> segments;
-  for (const StoredSegment& segment : map->segments) segments.push_back(Summarize(segment));
+  for (const InMemorySegment& segment : map->segments) segments.push_back(Summarize(segment));
   return segments;
 }
 
 Result<SegmentSummary> InMemoryStore::GetSegment(const MapKey& key, SegmentId id) const {
   const std::lock_guard lock(mutex_);
-  MAPLOC_ASSIGN_OR_RETURN(const StoredSegment* segment, FindSegment(key, id));
+  MAPLOC_ASSIGN_OR_RETURN(const InMemorySegment* segment, FindSegment(key, id));
   return Summarize(*segment);
 }
 
 Result<std::shared_ptr<const Segment>> InMemoryStore::LoadSegment(const MapKey& key,
                                                                   SegmentId id) const {
   const std::lock_guard lock(mutex_);
-  MAPLOC_ASSIGN_OR_RETURN(const StoredSegment* segment, FindSegment(key, id));
+  MAPLOC_ASSIGN_OR_RETURN(const InMemorySegment* segment, FindSegment(key, id));
   return segment->segment;
 }
 
@@ -150,7 +150,7 @@ Status InMemoryStore::StartSession(const Session& session) {
   Session fresh = session;
   fresh.end_unix_ns = 0;
   fresh.revoked = false;
-  if (!sessions_.try_emplace(session.id, StoredSession{std::move(fresh), {}, {}}).second) {
+  if (!sessions_.try_emplace(session.id, InMemorySession{std::move(fresh), {}, {}}).second) {
     return SessionExists(session.id);
   }
   return Status::Ok();
@@ -188,7 +188,7 @@ Status InMemoryStore::AppendObservations(const SessionId& id,
   const std::lock_guard lock(mutex_);
   const auto found = sessions_.find(id);
   if (found == sessions_.end()) return UnknownSession(id);
-  StoredSession& stored = found->second;
+  InMemorySession& stored = found->second;
   if (stored.session.end != SessionEnd::kOpen) return SessionClosed(id);
   MAPLOC_RETURN_IF_ERROR(CheckObservations(stored.session, observations));
   for (const Observation& o : observations) stored.observations.try_emplace(o.sequence, o);
@@ -202,11 +202,14 @@ Result<std::vector<SessionId>> InMemoryStore::AppendGroup(
   for (const auto& [id, observations] : group) {
     const auto found = sessions_.find(id);
     if (found == sessions_.end()) return UnknownSession(id);
+    if (found->second.session.end != SessionEnd::kOpen) {
+      ended.push_back(id);
+      continue;
+    }
     MAPLOC_RETURN_IF_ERROR(CheckObservations(found->second.session, observations));
-    if (found->second.session.end != SessionEnd::kOpen) ended.push_back(id);
   }
   for (const auto& [id, observations] : group) {
-    StoredSession& stored = sessions_.at(id);
+    InMemorySession& stored = sessions_.at(id);
     if (stored.session.end != SessionEnd::kOpen) continue;
     for (const Observation& o : observations) stored.observations.try_emplace(o.sequence, o);
   }
@@ -228,7 +231,7 @@ Result<std::int64_t> InMemoryStore::ChangeCounter() const {
 Status InMemoryStore::Verify() const {
   const std::lock_guard lock(mutex_);
   for (const auto& [key, map] : maps_) {
-    for (const StoredSegment& segment : map.segments) {
+    for (const InMemorySegment& segment : map.segments) {
       MAPLOC_RETURN_IF_ERROR(ValidateSegment(map.summary.info, *segment.segment));
       if (DeriveState(TruthOf(map, segment.segment->id)) != segment.state) {
         return Status(StatusCode::kDataLoss, "DAMAGED_STORE",

@@ -97,8 +97,10 @@ TEST_P(SessionContract, AGroupOfSessionsIsAppendedTogetherOrNotAtAll) {
       StatusCode::kNotFound);
   EXPECT_THAT(store_->ListObservations("a").value(), IsEmpty());
 
-  const auto late = store_->AppendGroup(std::vector<SessionObservations>{
-      {"a", {Seen(1, 0), Seen(2, 1)}}, {"ended", {Seen(1, 0)}}, {"b", {Seen(1, 2)}}});
+  const auto late =
+      store_->AppendGroup(std::vector<SessionObservations>{{"a", {Seen(1, 0), Seen(2, 1)}},
+                                                           {"ended", {Seen(1, 9)}},
+                                                           {"b", {Seen(1, 2)}}});  // no segment 9
   ASSERT_TRUE(late.ok()) << late.status().ToString();
   EXPECT_THAT(*late, ElementsAre("ended"));
   EXPECT_THAT(store_->ListObservations("a").value(), SizeIs(2));
