@@ -218,8 +218,13 @@ TEST_P(BatchOnTarget, DegenerateSamplesAreMarked) {
       {level, {1, 2, 3}, b, {1, 2, 5}, side, {1, 0, 0}},  // a vertical pair; point on image line
       {zero, zero, zero, zero, zero, zero}};
   Batch batch(samples);
-  EXPECT_EQ(SolveUp2p(batch, samples.size()).found, 0u);
-  EXPECT_EQ(SolveUp1p1l(batch, samples.size()).found, 0u);
+  for (const Solved& solved :
+       {SolveUp2p(batch, samples.size()), SolveUp1p1l(batch, samples.size())}) {
+    EXPECT_EQ(solved.found, 0u);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      EXPECT_TRUE(std::isnan(solved.first.cosine[i]) && std::isnan(solved.second.cosine[i])) << i;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Targets, BatchOnTarget,

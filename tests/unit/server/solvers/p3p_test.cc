@@ -72,6 +72,7 @@ TEST(P3p, RecoversRandomPoses) {
     const ErrorSummary summary = Summarize(errors);
     EXPECT_EQ(summary.missed, 0);
     EXPECT_LE(summary.percent999, 1e-11);
+    EXPECT_LT(summary.median, 1e-13);
   }
 }
 

@@ -49,6 +49,7 @@ TEST(Up1p1l, RecoversRandomPoses) {
     const ErrorSummary summary = Summarize(errors);
     EXPECT_EQ(summary.missed, 0);
     EXPECT_LE(summary.percent999, 1e-11);
+    EXPECT_LT(Percentile(errors, kAllButFive), 1e-7);
   }
 }
 

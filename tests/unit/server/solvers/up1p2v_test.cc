@@ -68,6 +68,7 @@ TEST(Up1p2v, RecoversRandomPosesWithOneSolution) {
     const ErrorSummary summary = Summarize(errors);
     EXPECT_EQ(summary.missed, 0);
     EXPECT_LE(summary.percent999, 1e-11);
+    EXPECT_LT(summary.median, 1e-14);
   }
 }
 

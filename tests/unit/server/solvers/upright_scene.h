@@ -114,6 +114,7 @@ inline ErrorSummary Summarize(const std::vector<double>& rotation_errors) {
 }
 
 inline constexpr int kManyProblems = 100000;
+inline constexpr double kAllButFive = 0.99995;  // of so many
 inline constexpr int kSeeds = 3;
 
 }  // namespace maploc::testing
