@@ -24,6 +24,10 @@ Eigen::Vector3d GravityInCamera(const Eigen::Quaterniond& camera_from_map);
 // Angle in radians between two unit vectors, in [0, pi]; accurate near 0 and pi.
 double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 
+// A stated standard deviation below this counts as this (0.006 degrees): no accelerometer is exact,
+// a covariance of zero in roll and pitch is a lie, and equations with gravity stay regular.
+inline constexpr double kMinGravitySigmaRad = 1e-4;
+
 struct GravityEstimate {
   Eigen::Vector3d gravity_in_source = Eigen::Vector3d(0.0, 0.0, -1.0);  // unit, down
   double spread_rad = 0.0;  // one standard deviation of the cameras' tilt about the estimate

@@ -130,7 +130,10 @@ Result<Localization> TryStrategy(const QueryContext& context, const Attempt& att
   FillEvidence(problem, pose, consensus, answer.evidence);
   answer.point_match_inlier = pose.point_inliers;
   answer.line_match_inlier = pose.line_inliers;
-  const GravityCheck gravity = CheckGravity(as_sent, pose, Refining(context));
+  // Found without gravity, the pose is of the matches alone already.
+  const bool alone = !problem.has_gravity && as_sent.has_gravity;
+  const GravityCheck gravity =
+      alone ? CompareGravity(as_sent, pose) : CheckGravity(as_sent, pose, Refining(context));
   Judge(context, problem, pose, gravity, iterations, answer);
   return answer;
 }

@@ -14,9 +14,6 @@ namespace {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// A stated gravity sigma of zero is still a measurement: 0.01 degrees keeps the equations regular
-// and turns the optimization into one of 4 degrees of freedom.
-constexpr double kMinGravitySigmaRad = 1.7e-4;
 // So many features of a kind place a pose far within the threshold; more only cost time. Refinement
 // takes all. The scoring arrays are in random order: the first ones are a random sample.
 constexpr std::size_t kMaxFeaturesOfKind = 128;

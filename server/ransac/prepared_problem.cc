@@ -18,16 +18,6 @@ Eigen::Vector3d Centroid(const PoseProblem& problem) {
   return count > 0 ? Eigen::Vector3d(sum / static_cast<double>(count)) : sum;
 }
 
-PoseProblem Centred(const PoseProblem& problem, const Eigen::Vector3d& centroid) {
-  PoseProblem centred = problem;
-  for (PointCorrespondence& point : centred.points) point.position_in_map -= centroid;
-  for (LineCorrespondence& line : centred.lines) {
-    line.segment_in_map.start -= centroid;
-    line.segment_in_map.end -= centroid;
-  }
-  return centred;
-}
-
 PreparedLine PrepareLine(const LineCorrespondence& line,
                          const Eigen::Matrix3d& aligned_from_camera) {
   PreparedLine prepared;
@@ -129,10 +119,11 @@ void OrderForDrawing(PreparedProblem* prepared, Random& random) {
 PreparedProblem PrepareProblem(const PoseProblem& problem, Random& random) {
   PreparedProblem prepared;
   prepared.centroid = Centroid(problem);
-  prepared.centred = Centred(problem, prepared.centroid);
-  prepared.camera_from_aligned = problem.has_gravity ? CameraFromAligned(problem.gravity_in_camera)
+  prepared.centred = MovedTo(problem, prepared.centroid);
+  const Eigen::Quaterniond camera_from_aligned = problem.has_gravity
+                                                     ? CameraFromAligned(problem.gravity_in_camera)
                                                      : Eigen::Quaterniond::Identity();
-  prepared.camera_from_aligned_matrix = prepared.camera_from_aligned.toRotationMatrix();
+  prepared.camera_from_aligned_matrix = camera_from_aligned.toRotationMatrix();
   const Eigen::Matrix3d aligned_from_camera = prepared.camera_from_aligned_matrix.transpose();
   for (const PointCorrespondence& point : prepared.centred.points) {
     const Eigen::Vector3d ray = point.normalized.homogeneous();

@@ -40,7 +40,6 @@ struct Places {
 struct PreparedProblem {
   PoseProblem centred;       // positions relative to `centroid`
   Eigen::Vector3d centroid;  // in the map
-  Eigen::Quaterniond camera_from_aligned;
   Eigen::Matrix3d camera_from_aligned_matrix;
   std::vector<PreparedPoint> points;
   std::vector<PreparedLine> lines;

@@ -46,7 +46,8 @@ struct Agreement {
 // seen_i - projected_i. In a picture of equal windows, where each match takes a window of its own
 // for another, wrong matches agree in being some windows off, and a pose that explains "none off"
 // is as probable as one that explains "one off". It is the share of pairs of outliers, seen apart,
-// whose d agree within the threshold or a twentieth of their length (perspective).
+// whose d agree within sqrt(2) thresholds or a twentieth of their length (perspective); d below
+// four thresholds is the tail of the pose's own noise and left out.
 //
 // `threshold` and lengths in the plane z = 1. Looks at no more than about 100,000 pairs, evenly
 // spread; O(n log n) otherwise.

@@ -8,12 +8,13 @@
 // used up by the pose's own freedom. Number of false alarms
 //     NFA = tests * P(Binomial(n - s, p) >= k - s),
 // tests = 2 poses an iteration, times a constant for local optimization. Points and lines have
-// their own p; the tail is that of the sum. p is the largest of
+// their own p and tail, combined by Fisher (CombineLogPValues). p is the largest of
 //   * the inlier disc's share of the area that the matched features cover;
 //   * the share of WRONG pairs (feature i, landmark j != i) that agree under this very pose: it
 //   sees
 //     repeated patterns, clusters and cameras so far away that the whole map is a dot;
-//   * three times the share of wrong matches that are off alike (chance.h).
+//   * three times the share of wrong matches that are off alike (chance.h);
+//   * of lines, a prior of one in ten that is worth 60 pairs.
 // Features closer together than the threshold count once.
 //
 // Calibrated: of many answers told with a confidence c, the share c is right, in a population where

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "mapstore/geometry/gravity.h"
 #include "server/refinement/pose_residuals.h"
 
 namespace maploc {

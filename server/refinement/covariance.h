@@ -7,10 +7,6 @@
 
 namespace maploc {
 
-// A stated gravity sigma below this counts as this: no accelerometer is exact, and a covariance of
-// zero in roll and pitch is a lie.
-inline constexpr double kMinGravitySigmaRad = 1e-4;
-
 // Information matrix of (w, d), the left perturbation of reprojection.h: the sum of J^T J / sigma^2
 // over the flagged features, `sigma` in the plane z = 1.
 Eigen::Matrix<double, 6, 6> PoseInformation(const PoseProblem& problem,

@@ -64,7 +64,7 @@ GravityCheck CheckGravity(const PoseProblem& problem, const RefinedPose& pose,
   RefineOptions free = options;
   free.mode = Refinement::k6Dof;
   const RefinedPose matches_alone = RefinePose(EnoughOf(problem, pose), pose.camera_from_map, free);
-  if (!matches_alone.converged) return {pose.gravity_disagreement_rad, true};
+  if (!matches_alone.converged) return {};
   return CompareGravity(problem, matches_alone);
 }
 

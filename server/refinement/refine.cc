@@ -38,17 +38,6 @@ struct TinyFunction {
   }
 };
 
-// The map moved to `origin`, so that a map 500 km from its own keeps its digits in the equations.
-PoseProblem Recentred(const PoseProblem& problem, const Eigen::Vector3d& origin) {
-  PoseProblem moved = problem;
-  for (PointCorrespondence& point : moved.points) point.position_in_map -= origin;
-  for (LineCorrespondence& line : moved.lines) {
-    line.segment_in_map.start -= origin;
-    line.segment_in_map.end -= origin;
-  }
-  return moved;
-}
-
 Eigen::Vector3d SomeLandmark(const PoseProblem& problem) {
   if (!problem.points.empty()) return problem.points.front().position_in_map;
   if (!problem.lines.empty()) return problem.lines.front().segment_in_map.start;
@@ -101,10 +90,6 @@ class Refiner {
     refined.covariance = Covariance(pose, inliers);
     refined.point_inliers = std::move(inliers.points);
     refined.line_inliers = std::move(inliers.lines);
-    if (problem_.has_gravity) {
-      refined.gravity_disagreement_rad =
-          AngleBetween(GravityInCamera(pose.rotation), problem_.gravity_in_camera);
-    }
     return refined;
   }
 
@@ -180,7 +165,7 @@ class Refiner {
 RefinedPose RefinePose(const PoseProblem& problem, const Rigid3& camera_from_map,
                        const RefineOptions& options) {
   const Eigen::Vector3d origin = SomeLandmark(problem);
-  const PoseProblem moved = Recentred(problem, origin);
+  const PoseProblem moved = MovedTo(problem, origin);
   const Rigid3 start = {camera_from_map.rotation, camera_from_map * origin};
   RefinedPose refined = Refiner(moved, options).Run(start);
   Rigid3& pose = refined.camera_from_map;

@@ -27,7 +27,6 @@ struct RefinedPose {
   PoseCovariance covariance = PoseCovariance::Zero();
   std::vector<std::uint8_t> point_inliers;  // under the final pose
   std::vector<std::uint8_t> line_inliers;
-  double gravity_disagreement_rad = 0.0;
 };
 
 // Deterministic; thread-safe. Without gravity the mode is 6Dof.

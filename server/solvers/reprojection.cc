@@ -81,6 +81,16 @@ bool IsLineInlier(const PoseMatrix& camera_from_map, const LineCorrespondence& l
          ProjectedLength(camera_from_map, line.segment_in_map) >= min_length;
 }
 
+PoseProblem MovedTo(const PoseProblem& problem, const Eigen::Vector3d& origin_in_map) {
+  PoseProblem moved = problem;
+  for (PointCorrespondence& point : moved.points) point.position_in_map -= origin_in_map;
+  for (LineCorrespondence& line : moved.lines) {
+    line.segment_in_map.start -= origin_in_map;
+    line.segment_in_map.end -= origin_in_map;
+  }
+  return moved;
+}
+
 InlierFlags FindInliers(const PoseProblem& problem, const Rigid3& camera_from_map,
                         double threshold_px) {
   const PoseMatrix pose(camera_from_map);

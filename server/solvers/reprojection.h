@@ -57,6 +57,10 @@ bool IsPointInlier(const PoseMatrix& camera_from_map, const PointCorrespondence&
 bool IsLineInlier(const PoseMatrix& camera_from_map, const LineCorrespondence& line,
                   double threshold, double min_length);
 
+// The same problem in a map whose origin is `origin_in_map`: far from a map's own origin positions
+// keep their digits so.
+PoseProblem MovedTo(const PoseProblem& problem, const Eigen::Vector3d& origin_in_map);
+
 struct InlierFlags {
   std::vector<std::uint8_t> points;  // one a correspondence, 0 or 1
   std::vector<std::uint8_t> lines;

@@ -2,7 +2,7 @@
 // a camera 3 to 5 m away, 1 px of noise, a threshold of 3 px, 100 iterations.
 #pragma once
 
-#include "server/refinement/covariance.h"
+#include "mapstore/geometry/gravity.h"
 #include "tests/experiments/setting.h"
 
 namespace maploc::experiments {
