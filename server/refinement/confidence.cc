@@ -28,6 +28,10 @@ constexpr std::array<Knot, 6> kCalibration = {
     {{-12.0, 9.2}, {-5.5, 4.5952}, {-2.0, 2.3}, {0.0, 0.55}, {2.0, -2.3}, {3.5, -5.6}}};
 // A pose that its inliers do not determine is not to be trusted, however unlikely they are.
 constexpr double kUndeterminedConfidence = 0.5;
+// In decades of false alarms. A grid of equal windows falls onto itself in many ways when it may be
+// turned freely, and its matches then agree by dozens; upright it does so by shifts alone, which are
+// looked for. So a pose that gravity does not support needs so much more.
+constexpr double kDoubtWithoutGravity = 4.0;
 // Pairs of outliers share a displacement less often than a pattern's commonest one occurs.
 constexpr double kRepeatFactor = 3.0;
 // How often a wrong line agrees where nothing is known: in buildings one in ten, by so many pairs.
@@ -115,7 +119,8 @@ double ConfidenceOf(double log_false_alarms) {
 double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
                       const ConfidenceOptions& options) {
   if (!pose.converged) return 0.0;
-  const double confidence = ConfidenceOf(LogNumberOfFalseAlarms(problem, pose, options));
+  const double doubt = problem.has_gravity ? 0.0 : kDoubtWithoutGravity;
+  const double confidence = ConfidenceOf(LogNumberOfFalseAlarms(problem, pose, options) + doubt);
   if (confidence <= kUndeterminedConfidence) return confidence;
   return IsDetermined(problem, pose, options.max_reprojection_error_px, kMaxSpread)
              ? confidence
