@@ -24,10 +24,9 @@ constexpr double kMaxFirstThreshold = 16.0;
 // Runners-up are optimized while the features looked at stay below so many an iteration.
 constexpr double kRunnerUpFeatures = 3.0;
 constexpr double kRunnerUpShare = 0.5;  // of the best sampled score
-constexpr int kMinRunnerUpInliers = 3;  // one more than the sample
-// While no sample scores more than its own two features do, any is worth a try: where gravity is
-// three sigmas off, an all-inlier sample explains nothing else before it is optimized.
-constexpr double kScoreOfSample = 2.2;
+// While no sample scores more than its own features do, any is worth a try: where gravity is three
+// sigmas off, an all-inlier sample explains nothing else before it is optimized.
+constexpr double kScoreBesideSample = 0.2;
 
 class Search {
  public:
@@ -95,7 +94,8 @@ class Search {
     const ScoringPose scoring_pose = ToScoringPose(pose);
     if (!pretest_.Passes(sample, scoring_pose, random_)) return false;
     const Support support = Score(scoring_pose);
-    if (!IsWorthOptimizing(support)) return false;
+    const int own = sample.sampled_points + sample.sampled_lines;
+    if (!IsWorthOptimizing(support, own)) return false;
     if (support.score > best_sampled_score_) {
       best_sampled_score_ = support.score;
       pretest_.Update(support.score);
@@ -107,10 +107,11 @@ class Search {
 
   // A new best is, always. A runner-up is where it costs little: with few inliers, or gravity a
   // degree off, the true pose's samples score hardly more than chance before they are optimized.
-  bool IsWorthOptimizing(const Support& support) {
+  // `own`: features of the sample, which agree with its pose anyway.
+  bool IsWorthOptimizing(const Support& support, int own) {
     if (support.score > best_sampled_score_) return true;
-    const bool none_stands_out = best_sampled_score_ < kScoreOfSample;
-    if ((support.inliers < kMinRunnerUpInliers && !none_stands_out) ||
+    const bool none_stands_out = best_sampled_score_ < own + kScoreBesideSample;
+    if ((support.inliers <= own && !none_stands_out) ||
         support.score < kRunnerUpShare * best_sampled_score_ || runner_up_features_ <= 0) {
       return false;
     }
