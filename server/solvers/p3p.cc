@@ -314,6 +314,18 @@ void WritePoses(const Plain y[3], const Plain& point, const Plain inverse[3], co
   }
 }
 
+// The smallest squared sine of the three angles between neighbours; 0 for a vector of no length.
+double SmallestSine2(const Eigen::Vector3d vectors[3]) {
+  double smallest = 1.0;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d& a = vectors[i];
+    const Eigen::Vector3d& b = vectors[(i + 1) % 3];
+    const double scale2 = a.squaredNorm() * b.squaredNorm();
+    smallest = std::min(smallest, scale2 > 0 ? a.cross(b).squaredNorm() / scale2 : 0.0);
+  }
+  return smallest;
+}
+
 }  // namespace
 
 int SolveP3p(const Eigen::Vector3d rays[3], const Eigen::Vector3d points[3],
@@ -362,19 +374,9 @@ int SolveP3p(const Eigen::Vector3d rays[3], const Eigen::Vector3d points[3],
 }
 
 double P3pConditioning(const Eigen::Vector3d rays[3], const Eigen::Vector3d points[3]) {
-  const auto smallest_sine = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-    const double scale = a.norm() * b.norm();
-    return scale > 0 ? a.cross(b).norm() / scale : 0.0;
-  };
   const Eigen::Vector3d edges[3] = {points[1] - points[0], points[2] - points[1],
                                     points[0] - points[2]};
-  double in_map = 1.0;
-  double in_image = 1.0;
-  for (int i = 0; i < 3; ++i) {
-    in_map = std::min(in_map, smallest_sine(edges[i], edges[(i + 1) % 3]));
-    in_image = std::min(in_image, smallest_sine(rays[i], rays[(i + 1) % 3]));
-  }
-  return in_map * in_image;
+  return std::sqrt(SmallestSine2(edges) * SmallestSine2(rays));
 }
 
 }  // namespace maploc
