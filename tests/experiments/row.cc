@@ -24,6 +24,14 @@ std::string TextOf(const Row& row, const std::string& key) {
   return found->dump();
 }
 
+bool HasValue(const Row& row, const std::string& key, const std::string& text) {
+  const std::string own = TextOf(row, key);
+  if (own == text) return true;
+  const Row number = Row::parse(text, nullptr, false);
+  return number.is_number() && row.contains(key) && row.at(key).is_number() &&
+         ShortNumber(number.get<double>()) == ShortNumber(row.at(key).get<double>());
+}
+
 std::vector<std::string> KeysOf(const Rows& rows) {
   std::vector<std::string> keys;
   for (const Row& row : rows) {

@@ -17,6 +17,9 @@ using Rows = std::vector<Row>;
 // A value for people: numbers short, strings without quotes, nothing for a missing key.
 std::string TextOf(const Row& row, const std::string& key);
 
+// Whether a row has this value under the key, as a person writes it: 0, 0.0 and "0" are one.
+bool HasValue(const Row& row, const std::string& key, const std::string& text);
+
 // All keys of all rows, in the order in which they first appear.
 std::vector<std::string> KeysOf(const Rows& rows);
 

@@ -119,7 +119,7 @@ Result<bool> Matches(const Row& keys, const std::vector<std::string>& only) {
     if (equals == std::string::npos) {
       return InvalidArgument("--only", "'" + condition + "' is not KEY=VALUE");
     }
-    matches = matches && TextOf(keys, condition.substr(0, equals)) == condition.substr(equals + 1);
+    matches = matches && HasValue(keys, condition.substr(0, equals), condition.substr(equals + 1));
   }
   return matches;
 }
