@@ -29,8 +29,8 @@ constexpr std::array<Knot, 6> kCalibration = {
 // A pose that its inliers do not determine is not to be trusted, however unlikely they are.
 constexpr double kUndeterminedConfidence = 0.5;
 // In decades of false alarms. A grid of equal windows falls onto itself in many ways when it may be
-// turned freely, and its matches then agree by dozens; upright it does so by shifts alone, which are
-// looked for. So a pose that gravity does not support needs so much more.
+// turned freely, and its matches then agree by dozens; upright it does so by shifts alone, and for
+// those Chance looks. So a pose that gravity does not support needs so much more.
 constexpr double kDoubtWithoutGravity = 4.0;
 // Pairs of outliers share a displacement less often than a pattern's commonest one occurs.
 constexpr double kRepeatFactor = 3.0;
