@@ -60,9 +60,11 @@ Plain Normalized(const Eigen::Vector3d& v) {
 // Below zero by rounding alone, as a share of the terms that were subtracted: a double root.
 constexpr double kDoubleRoot = 1e-10;
 // Residual of the distance equations, as a share of the distances, that another step would not
-// better; and the number of steps that a sample near the danger cylinder may take.
+// better; and the number of steps that a sample near the danger cylinder may take. A step that does
+// not better is shortened: where three solutions nearly meet, the first leads past them all.
 constexpr double kConverged = 1e-14;
-constexpr int kMaxSteps = 10;
+constexpr int kMaxSteps = 30;
+constexpr double kShortened = 0.25;
 
 // What the three distance equations are made of. aij = |Pi - Pj|^2 over the sum of the three; kij =
 // 1 - yi . yj, from the difference of the rays, so that nothing is lost where they are close.
@@ -213,20 +215,22 @@ Depths Step(const Distances& d, const Depths& l, const Residuals& r) {
 
 bool Any(decltype(Pair{} < Pair{}) mask) { return mask[0] != 0 || mask[1] != 0; }
 
-// Newton's steps for depths near the danger cylinder, each as long as it betters.
+// Newton's steps for depths near the danger cylinder, none of which makes them worse.
 Depths Polish(const Distances& d, Depths depths) {
   const Pair one = {1, 1};
   Residuals residuals = Difference(SquaredDistances(d, depths), one, d, one);
-  for (int i = 0; i < kMaxSteps; ++i) {
+  Pair share = one;
+  for (int i = 0; i < kMaxSteps && Any(residuals.Sum() > kConverged); ++i) {
     const Depths step = Step(d, depths, residuals);
-    const Depths next = {depths.l1 - step.l1, depths.l2 - step.l2, depths.l3 - step.l3};
+    const Depths next = {depths.l1 - share * step.l1, depths.l2 - share * step.l2,
+                         depths.l3 - share * step.l3};
     const Residuals after = Difference(SquaredDistances(d, next), one, d, one);
     const auto better = after.Sum() < residuals.Sum();
+    share = better ? one : kShortened * share;
     depths = {better ? next.l1 : depths.l1, better ? next.l2 : depths.l2,
               better ? next.l3 : depths.l3};
     residuals = {better ? after.r12 : residuals.r12, better ? after.r13 : residuals.r13,
                  better ? after.r23 : residuals.r23};
-    if (!Any(better & (residuals.Sum() > kConverged))) break;
   }
   return depths;
 }
