@@ -15,7 +15,8 @@
 //     repeated patterns, clusters and cameras so far away that the whole map is a dot;
 //   * three times the share of wrong matches that are off alike (chance.h);
 //   * of lines, a prior of one in ten that is worth 60 pairs.
-// Features closer together than the threshold count once.
+// Features closer together than the threshold count once. A pose that gravity does not support
+// (none in the problem) needs four decades more.
 //
 // Calibrated: of many answers told with a confidence c, the share c is right, in a population where
 // one query of thirty holds any truth (README); where more do, more are right.

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "server/refinement/chance.h"
+#include "tests/support/seed.h"
+#include "tests/support/synthetic_problem.h"
 
 namespace maploc::testing {
 namespace {
@@ -55,6 +57,28 @@ TEST(ConfidenceOf, FallsWithFalseAlarmsAndIsTheBarWhereTheCalibrationHasIt) {
   EXPECT_GE(ConfidenceOf(-5.5), 0.99);
   EXPECT_LT(ConfidenceOf(-5.4), 0.99);
   EXPECT_LT(ConfidenceOf(3.0), 0.05);
+}
+
+// Of the same matches and pose, what gravity supports and what it does not. The fewest inliers that
+// suffice upright do not suffice without; twice as many do.
+TEST(PoseConfidence, AsksMoreOfAPoseThatGravityDoesNotSupport) {
+  constexpr double kBar = 0.99;
+  Random random = TestRandom();
+  const auto confidence = [&](int inliers, bool has_gravity) {
+    SyntheticOptions options;
+    options.point_inliers = inliers;
+    options.point_outliers = 20;
+    Random same = random;
+    SyntheticProblem made = MakeSyntheticProblem(options, same);
+    made.problem.has_gravity = has_gravity;
+    const RefinedPose pose = RefinePose(made.problem, made.camera_from_map, {});
+    return PoseConfidence(made.problem, pose, {});
+  };
+  int fewest = 3;
+  while (fewest < 40 && confidence(fewest, true) < kBar) ++fewest;
+  ASSERT_LT(fewest, 20);
+  EXPECT_LT(confidence(fewest, false), kBar);
+  EXPECT_GE(confidence(2 * fewest, false), kBar);
 }
 
 }  // namespace
