@@ -21,6 +21,7 @@ constexpr double kPerspectiveShare = 0.05;
 // Outliers that lie this close are the tail of the same pose's noise and of badly triangulated
 // landmarks, and all alike in that; a pattern repeats at larger steps.
 constexpr double kNearMissThresholds = 4.0;
+constexpr int kMostInPlace = 2;
 
 double LogChoose(int n, int k) {
   return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
@@ -39,9 +40,9 @@ PointUnderPose Look(const PointCorrespondence& match, const PoseMatrix& pose) {
   return {match.normalized, Eigen::Vector2d::Constant(kFarAway), false};
 }
 
-// Inliers of which no two are closer together than the threshold, greedily from left to right.
-int DistinctInliers(const std::vector<PointUnderPose>& points,
-                    const std::vector<std::uint8_t>& inliers, double threshold) {
+// Inliers of which no two are closer together than the distance, greedily from left to right.
+int InliersApart(const std::vector<PointUnderPose>& points,
+                 const std::vector<std::uint8_t>& inliers, double distance) {
   std::vector<Eigen::Vector2d> seen;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (inliers[i] != 0) seen.push_back(points[i].seen);
@@ -53,8 +54,8 @@ int DistinctInliers(const std::vector<PointUnderPose>& points,
   for (const Eigen::Vector2d& point : seen) {
     bool is_new = true;
     for (auto other = kept.rbegin(); is_new && other != kept.rend(); ++other) {
-      if (point.x() - other->x() >= threshold) break;
-      is_new = (point - *other).squaredNorm() >= threshold * threshold;
+      if (point.x() - other->x() >= distance) break;
+      is_new = (point - *other).squaredNorm() >= distance * distance;
     }
     if (is_new) kept.push_back(point);
   }
@@ -180,13 +181,14 @@ std::int64_t AgreeingByRepetition(const std::vector<std::int64_t>& per_landmark)
 
 Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
                          const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
-                         double threshold) {
+                         double threshold, double place) {
   std::vector<PointUnderPose> under_pose;
   under_pose.reserve(points.size());
   for (const PointCorrespondence& point : points) under_pose.push_back(Look(point, pose));
   Agreement agreement;
   agreement.matches = static_cast<int>(points.size());
-  agreement.distinct_inliers = DistinctInliers(under_pose, inliers, threshold);
+  agreement.distinct_inliers = std::min(InliersApart(under_pose, inliers, threshold),
+                                        kMostInPlace * InliersApart(under_pose, inliers, place));
   agreement.wrong_pairs = WrongPairs(under_pose, inliers, threshold);
   agreement.shared_shift = SharedShift(under_pose, inliers, threshold);
   return agreement;

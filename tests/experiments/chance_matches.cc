@@ -1,6 +1,7 @@
 #include "tests/experiments/chance_matches.h"
 
 #include "tests/experiments/protocol.h"
+#include "tests/support/moved_signs.h"
 #include "tests/support/repeated_pattern.h"
 #include "tests/support/synthetic_problem.h"
 
@@ -29,6 +30,16 @@ PoseProblem MakeFacade(double line_share, double shifted_share, Random& random) 
   return testing::MakeRepeatedPattern(
       {.matches = MatchCount(random), .line_share = line_share, .shifted_share = shifted_share},
       random);
+}
+
+PoseProblem MakeSigns(Random& random) {
+  testing::MovedSignsOptions options;
+  options.signs = 2 + static_cast<int>(random.Below(3));
+  options.features = 5 + static_cast<int>(random.Below(11));
+  options.radius_px = random.Uniform(8, 30);
+  options.others = 10 + static_cast<int>(random.Below(51));
+  options.gravity_sigma_rad = random.Uniform(0.1, 2.0) * kDegree;
+  return testing::MakeMovedSigns(options, random);
 }
 
 }  // namespace maploc::experiments

@@ -1,5 +1,5 @@
-// Queries without one true match: 100 to 2,000 of them, gravity's sigma 0.1 to 2 degrees (facades:
-// 0.5).
+// Queries without one true match: 100 to 2,000 of them (but for signs), gravity's sigma 0.1 to 2
+// degrees (facades: 0.5).
 #pragma once
 
 #include "mapstore/base/random.h"
@@ -16,5 +16,9 @@ PoseProblem MakeRandomMatches(double line_share, Random& random);
 // A facade of equal windows; `shifted_share` of the matches are off by the same windows, the others
 // each by its own (tests/support/repeated_pattern.h).
 PoseProblem MakeFacade(double line_share, double shifted_share, Random& random);
+
+// Two to four signs that were moved, 5 to 15 features each, among 10 to 60 other wrong matches:
+// fewer than of the other kinds, since chance is guarded against where there are many.
+PoseProblem MakeSigns(Random& random);
 
 }  // namespace maploc::experiments

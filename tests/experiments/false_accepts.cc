@@ -27,6 +27,7 @@ std::vector<Kind> Kinds() {
       {"repeats, points", [](Random& random) { return MakeFacade(0, 0, random); }},
       {"repeats, points and lines",
        [](Random& random) { return MakeFacade(kLineShare, 0, random); }},
+      {"moved signs", MakeSigns},
       // Reported apart: here a wrong pose does explain the picture.
       {"one shift for 20%", [](Random& random) { return MakeFacade(0, 0.2, random); }},
       {"one shift for 50%", [](Random& random) { return MakeFacade(0, 0.5, random); }},
