@@ -55,10 +55,15 @@ Moment RandomMomentWithin(std::chrono::milliseconds span, Random& random) {
 class KillTest : public ::testing::Test {
  protected:
   KillTest() : world_(TestRandom(), SmallStreet()), queries_(DrawQueries(world_, TestRandom(1))) {
-    map_ = ImportWorld(world_, store_.get());
+    map_ = ImportWorld(world_, OpenStore().get());
     for (int i = 0; i < kRobots; ++i) {
       robots_.emplace_back("rover-" + std::to_string(i), queries_, TestRandom(100 + i));
     }
+  }
+
+  // Never open while a server runs: what is read of it was read from the disk anew.
+  std::unique_ptr<MapStore> OpenStore() const {
+    return OpenSqliteStore(folder_.File("store")).value();
   }
 
   // All robots at work, and the server killed within kLongestLife.
@@ -88,8 +93,8 @@ class KillTest : public ::testing::Test {
   }
 
   // What a robot was told of the session that the kill interrupted, and what the store has of it.
-  void Settle(RunningSession& session) {
-    const auto kept = static_cast<std::int64_t>(store_->ListObservations(session.id)->size());
+  void Settle(const MapStore& store, RunningSession& session) {
+    const auto kept = static_cast<std::int64_t>(store.ListObservations(session.id)->size());
     const auto old = std::ranges::count_if(
         session.answered, [this](Moment moment) { return moment <= killed_ - kMayBeLost; });
     ASSERT_GE(kept, session.settled + old) << "session " << session.id;
@@ -99,7 +104,7 @@ class KillTest : public ::testing::Test {
       const auto age = killed_ - session.answered.at(i - session.settled);
       oldest_lost_ = std::max(oldest_lost_, age);
     }
-    const bool ended = store_->GetSession(session.id)->end != SessionEnd::kOpen;
+    const bool ended = store.GetSession(session.id)->end != SessionEnd::kOpen;
     EXPECT_TRUE(!ended || session.end_was_asked) << "session " << session.id;
     if (ended) {
       EXPECT_EQ(kept, session.Known()) << "session " << session.id;
@@ -109,26 +114,25 @@ class KillTest : public ::testing::Test {
     session.unanswered = 0;
   }
 
-  void SettleAll() {
+  void SettleAll(const MapStore& store) {
     for (RobotDay& robot : robots_) {
-      if (robot.running()) Settle(*robot.running());
+      if (robot.running()) Settle(store, *robot.running());
     }
   }
 
   // Every EndSession that was answered is in the store; `known` grows by those that are new.
-  void CheckNewEnds(std::map<SessionId, SessionSummary>& known) const {
+  void CheckNewEnds(const MapStore& store, std::map<SessionId, SessionSummary>& known) const {
     for (const RobotDay& robot : robots_) {
       for (const auto& [id, summary] : robot.ended()) {
         if (!known.emplace(id, summary).second) continue;
-        const Session session = store_->GetSession(id).value();
+        const Session session = store.GetSession(id).value();
         EXPECT_EQ(session.end, SessionEnd::kByRobot) << id;
-        EXPECT_EQ(static_cast<std::int64_t>(store_->ListObservations(id)->size()), summary.queries);
+        EXPECT_EQ(static_cast<std::int64_t>(store.ListObservations(id)->size()), summary.queries);
       }
     }
   }
 
   const TemporaryFolder folder_;
-  const std::unique_ptr<MapStore> store_ = OpenSqliteStore(folder_.File("store")).value();
   const DrawnWorld world_;
   const std::vector<Query> queries_;
   MapKey map_;
@@ -172,8 +176,9 @@ TEST_F(KillTest, WhatWasAnsweredIsKeptOnce) {
     WorkAndKill(random);
     if (kill % 4 == 0) StartAndKill(random);
     CheckTheStoreVerifies();
-    SettleAll();
-    CheckNewEnds(ended);
+    const std::unique_ptr<MapStore> store = OpenStore();
+    SettleAll(*store);
+    CheckNewEnds(*store, ended);
   }
 
   // A last server: every EndSession once more, those that were answered and those that were not.
@@ -189,7 +194,7 @@ TEST_F(KillTest, WhatWasAnsweredIsKeptOnce) {
   }
   server_.Kill();
   CheckTheStoreVerifies();
-  ExpectCountedOnce(*store_, map_, ended);
+  ExpectCountedOnce(*OpenStore(), map_, ended);
 
   std::int64_t queries = 0;
   for (const auto& [id, summary] : ended) queries += summary.queries;

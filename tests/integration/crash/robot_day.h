@@ -19,7 +19,7 @@ namespace maploc::testing {
 struct RunningSession {
   SessionId id;
   int planned = 0;           // queries, before it is ended
-  std::int64_t settled = 0;  // observations that were found on disk after the last restart
+  std::int64_t settled = 0;  // observations that were found on disk after the last kill
   // Since then: the moments at which answers arrived, and queries without one.
   std::vector<std::chrono::steady_clock::time_point> answered;
   int unanswered = 0;
