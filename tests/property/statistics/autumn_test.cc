@@ -114,6 +114,7 @@ TEST_P(Autumn, IsExplained) {
   std::cout << "--- spring, " << GetParam().name << "\n" << ExplanationText(spring);
   EXPECT_THAT(ExplanationText(spring), HasSubstr("points rose from 0.0"));
   EXPECT_THAT(ExplanationText(spring), HasSubstr("-> 2p. 2p instead of"));
+  ASSERT_FALSE(spring.changes.empty());
   EXPECT_EQ(spring.changes[0].since, "s1018");
 }
 
