@@ -84,14 +84,4 @@ inline YawRoots FindYawRoots(const YawEquation& equation) {
   return {r2, -a * c, b * w, -b * c, -a * w, discriminant >= -kDoubleRootTolerance * r2};
 }
 
-// Returns 0 or 2 (a double root twice); 0 where the yaw is unobservable.
-inline int SolveYaw(const YawEquation& equation, Yaw yaws[2]) {
-  const YawRoots roots = FindYawRoots(equation);
-  if (!(roots.real && roots.r2 > 0)) return 0;
-  const double inverse = 1.0 / roots.r2;
-  yaws[0] = roots.Root(-1.0, inverse);
-  yaws[1] = roots.Root(1.0, inverse);
-  return 2;
-}
-
 }  // namespace maploc

@@ -27,6 +27,16 @@ int Solve(const UprightScene& scene, const PairOfPoints& pair, Rigid3 poses[2]) 
   return SolveUp2p(scene.gravity_in_camera, pair.ray1, pair.point1, pair.ray2, pair.point2, poses);
 }
 
+// Returns 0 or 2 (a double root twice); 0 where the yaw is unobservable.
+int SolveYaw(const YawEquation& equation, Yaw yaws[2]) {
+  const YawRoots roots = FindYawRoots(equation);
+  if (!(roots.real && roots.r2 > 0)) return 0;
+  const double inverse = 1.0 / roots.r2;
+  yaws[0] = roots.Root(-1.0, inverse);
+  yaws[1] = roots.Root(1.0, inverse);
+  return 2;
+}
+
 TEST(Up2p, RecoversRandomPoses) {
   for (int seed = 0; seed < kSeeds; ++seed) {
     Random random = TestRandom(seed);
