@@ -20,8 +20,8 @@ using DrawAndSolve = std::function<int(const PreparedProblem&, Random&, PoseMatr
 using DrawChance =
     std::function<double(int points, int point_inliers, int lines, int line_inliers)>;
 
-// The best pose (camera_from_map), not refined; `answer` takes iterations. nullopt where nothing
-// scores.
+// The best pose (camera_from_map), not refined; `iterations` takes how many were run. nullopt
+// where nothing scores.
 std::optional<Rigid3> SimpleRansac(const PoseProblem& problem, const MethodOptions& options,
                                    const DrawAndSolve& draw, const DrawChance& chance,
                                    int* iterations);

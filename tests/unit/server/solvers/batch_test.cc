@@ -143,7 +143,9 @@ void ExpectAgreement(const SolveBatch& solve_batch, const SolveScalar& solve_sca
 class BatchOnTarget : public ::testing::TestWithParam<std::int64_t> {
  protected:
   void SetUp() override {
-    if ((hwy::SupportedTargets() & GetParam()) == 0) GTEST_SKIP() << "not on this processor";
+    if ((hwy::SupportedTargets() & GetParam()) == 0) {
+      GTEST_SKIP() << hwy::TargetName(GetParam()) << " is not on this processor";
+    }
     hwy::SetSupportedTargetsForTest(GetParam());
   }
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
