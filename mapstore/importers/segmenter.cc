@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numeric>
 #include <string_view>
+#include <utility>
+
+#include "mapstore/base/median.h"
 
 namespace maploc {
 namespace {
@@ -128,9 +131,7 @@ double DefaultSegmentLength(std::span<const KeyFrame> frames, std::span<const Po
     }
   }
   if (depths.empty()) return 0.0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return kDepths * *middle;
+  return kDepths * UpperMedian(std::move(depths));
 }
 
 std::vector<std::vector<int>> CutPath(std::span<const KeyFrame> frames,

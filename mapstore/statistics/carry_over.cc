@@ -9,6 +9,9 @@
 #include <map>
 #include <tuple>
 #include <unordered_map>
+#include <utility>
+
+#include "mapstore/base/median.h"
 
 namespace maploc {
 namespace {
@@ -168,9 +171,7 @@ double SharedLandmarkTolerance(std::span<const Segment> segments) {
     }
   }
   if (distances.empty()) return 0.0;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return kToleranceOfDistance * *middle;
+  return kToleranceOfDistance * UpperMedian(std::move(distances));
 }
 
 std::vector<CarriedShare> CarryOver(std::span<const SegmentLandmarks> old_segments,

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
+
+#include "mapstore/base/median.h"
 
 namespace maploc {
 namespace {
@@ -45,9 +48,7 @@ double SessionScatter(ChangeKind kind, std::span<const SegmentSessionRow> rows,
     previous = ratio;
   }
   if (squares.empty()) return 0.0;
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  return *middle / (2.0 * 0.455);
+  return UpperMedian(std::move(squares)) / (2.0 * 0.455);
 }
 
 // The sessions from `begin` to `at` against those from there to `end`, in standard deviations: of

@@ -1,6 +1,7 @@
-#include <algorithm>
 #include <map>
+#include <utility>
 
+#include "mapstore/base/median.h"
 #include "mapstore/statistics/statistics.h"
 
 namespace maploc {
@@ -14,12 +15,8 @@ struct SegmentMatches {
   std::vector<std::int32_t> vertical_lines;
 };
 
-double Median(std::vector<std::int32_t> values) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  if (values.size() % 2 == 1) return values[middle];
-  return 0.5 * (static_cast<double>(values[middle - 1]) + values[middle]);
+double MedianOrZero(std::vector<std::int32_t> values) {
+  return values.empty() ? 0.0 : Median(std::move(values));
 }
 
 void Count(const Observation& observation, SegmentMatches& segment) {
@@ -44,9 +41,9 @@ SegmentSessionRow Finish(const Session& session, SegmentId id, SegmentMatches se
   row.session = session.id;
   row.session_start_unix_ns = session.start_unix_ns;
   row.segment = id;
-  row.median_point_matches = Median(std::move(segment.points));
-  row.median_usable_line_matches = Median(std::move(segment.usable_lines));
-  row.median_vertical_line_matches = Median(std::move(segment.vertical_lines));
+  row.median_point_matches = MedianOrZero(std::move(segment.points));
+  row.median_usable_line_matches = MedianOrZero(std::move(segment.usable_lines));
+  row.median_vertical_line_matches = MedianOrZero(std::move(segment.vertical_lines));
   return row;
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "mapstore/base/median.h"
 #include "mapstore/statistics/references.h"
 
 namespace maploc {
@@ -17,15 +18,6 @@ constexpr double kSigmaOfMad = 1.4826;  // of a normal distribution
 // Variance of a median of n normal values, times n.
 constexpr double kMedianVariance = std::numbers::pi / 2.0;
 constexpr double kFloorOfConcern = 0.25;
-
-// REQUIRES: not empty. The lower one of the middle two would favour small values; their mean does
-// not.
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 double Ratio(double part, double whole) { return part / whole; }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
+#include "mapstore/base/median.h"
 #include "server/retrieval/path_distance.h"
 
 namespace maploc {
@@ -19,9 +21,7 @@ double MedianReach(const Segment& segment) {
   for (std::size_t i = 0; i < positions.size(); i += step) {
     distances.push_back(DistanceToPath(positions[i], segment.path_in_map));
   }
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return UpperMedian(std::move(distances));
 }
 
 struct RowRange {
