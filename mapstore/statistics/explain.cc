@@ -48,7 +48,7 @@ Explanation ExplainStrategy(std::span<const SegmentSessionRow> rows,
   explanation.statistics = fold.statistics().Value();
   explanation.has_evidence = fold.HasEvidence();
   const SegmentStatistics& s = explanation.statistics;
-  explanation.prediction = PredictStrategies(s, options);
+  explanation.prediction = fold.prediction();
   const RatePosteriors& rates = explanation.prediction.rates;
   explanation.points =
       ExplainRate(s.point_inliers, s.point_matches, s.independent_points, rates.points);

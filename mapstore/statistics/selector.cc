@@ -78,7 +78,9 @@ std::array<Strategy, 3> RankAfter(Strategy first, std::array<Strategy, 3> rankin
 }
 
 SelectorFold::SelectorFold(const SelectorOptions& options)
-    : options_(options), statistics_(options.statistics) {}
+    : options_(options),
+      statistics_(options.statistics),
+      prediction_(PredictStrategies(statistics_.Value(), options)) {}
 
 bool SelectorFold::HasEvidence() const {
   const SegmentStatistics s = statistics_.Value();
@@ -89,13 +91,9 @@ bool SelectorFold::HasEvidence() const {
 
 void SelectorFold::Add(const SegmentSessionRow& row) {
   statistics_.Add(row);
-  previous_ = current_;
-  if (!HasEvidence()) {
-    current_ = Strategy::kMixed;
-    return;
-  }
   prediction_ = PredictStrategies(statistics_.Value(), options_);
-  current_ = ChooseStrategy(current_, prediction_, options_);
+  previous_ = current_;
+  current_ = HasEvidence() ? ChooseStrategy(current_, prediction_, options_) : Strategy::kMixed;
 }
 
 StrategyDecision SelectorFold::Decision() const {

@@ -33,13 +33,14 @@ class SelectorFold {
   Strategy current() const { return current_; }
   bool HasEvidence() const;
   const StatisticsFold& statistics() const { return statistics_; }
+  // Of the rows so far, whether or not they are evidence enough to be followed.
   const StrategyPrediction& prediction() const { return prediction_; }
   StrategyDecision Decision() const;
 
  private:
   SelectorOptions options_;
   StatisticsFold statistics_;
-  StrategyPrediction prediction_;         // after the last row
+  StrategyPrediction prediction_;
   Strategy previous_ = Strategy::kMixed;  // in force before it
   Strategy current_ = Strategy::kMixed;
 };

@@ -87,15 +87,13 @@ std::string BytesOfDerivation(std::vector<SegmentSessionRow> rows) {
   return bytes;
 }
 
-SegmentDerivation DeriveFrom(const SelectorFold& fold, const std::optional<Strategy>& pinned,
-                             const SelectorOptions& options) {
+SegmentDerivation DeriveFrom(const SelectorFold& fold, const std::optional<Strategy>& pinned) {
   SegmentDerivation derived{fold.statistics().Value(), fold.Decision()};
   if (!pinned) return derived;
-  const StrategyPrediction prediction = PredictStrategies(derived.statistics, options);
   const bool evidence = derived.statistics.localized > 0;
   derived.decision = {*pinned, StrategySource::kPinned,
                       "pinned by an operator; otherwise " + derived.decision.reason,
-                      evidence ? prediction.Of(*pinned).iteration_probability : 0.0,
+                      evidence ? fold.prediction().Of(*pinned).iteration_probability : 0.0,
                       RankAfter(*pinned, derived.decision.ranking)};
   return derived;
 }
@@ -118,19 +116,13 @@ void LandmarkCounter::CountInto(MapSummary& summary) const {
   summary.usable_lines = static_cast<std::int64_t>(usable_lines_.size());
 }
 
-SegmentDerivation DeriveSegment(std::span<const SegmentSessionRow> rows,
-                                const std::optional<Strategy>& pinned,
-                                const SelectorOptions& options) {
-  SelectorFold fold(options);
-  for (const SegmentSessionRow& row : rows) fold.Add(row);
-  return DeriveFrom(fold, pinned, options);
-}
-
 SegmentState DeriveState(const SegmentTruth& truth) {
+  SelectorFold fold(truth.options);
+  for (const SegmentSessionRow& row : truth.rows) fold.Add(row);
   SegmentState state;
   if (!truth.pins.empty()) state.pinned = truth.pins.back().strategy;
   state.options = truth.options;
-  state.derived = DeriveSegment(truth.rows, state.pinned, truth.options);
+  state.derived = DeriveFrom(fold, state.pinned);
   return state;
 }
 
@@ -140,7 +132,7 @@ std::vector<DecisionRecord> ReplayHistory(const SegmentTruth& truth) {
   std::optional<Strategy> pinned;
   std::size_t next_pin = 0;
   const auto record = [&](std::int64_t time_unix_ns, std::string cause) {
-    SegmentDerivation derived = DeriveFrom(fold, pinned, truth.options);
+    SegmentDerivation derived = DeriveFrom(fold, pinned);
     history.push_back(
         {time_unix_ns, std::move(cause), std::move(derived.decision), derived.statistics});
   };

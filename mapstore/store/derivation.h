@@ -59,6 +59,7 @@ struct SegmentState {
   bool operator==(const SegmentState&) const = default;
 };
 
+// A pin overrules the selector, whose choice its reason tells.
 SegmentState DeriveState(const SegmentTruth& truth);
 
 // The history that this truth would have had, had every session ended in the order of their starts:
@@ -70,11 +71,6 @@ std::vector<DecisionRecord> ReplayHistory(const SegmentTruth& truth);
 // keeps it: where it differs (another version of the selector, another compiler) statistics and
 // strategies are derived anew.
 std::int64_t DerivationFingerprint();
-
-// REQUIRES: rows in folding order. A pin overrules the selector, whose choice its reason tells.
-SegmentDerivation DeriveSegment(std::span<const SegmentSessionRow> rows,
-                                const std::optional<Strategy>& pinned,
-                                const SelectorOptions& options);
 
 // The summary of a session but for its segments' strategies (filled in by the caller, one a row).
 SessionSummary SummarizeSession(const SessionId& id, SessionEnd end,

@@ -124,6 +124,32 @@ TEST(SelectStrategy, ForgetsARecordThatNoLongerHolds) {
   EXPECT_EQ(decision.source, StrategySource::kDefault);
 }
 
+// Before the first session, with too little evidence, with enough, and when it no longer holds.
+TEST(SelectorFold, PredictsFromTheRowsSoFarAtEveryStep) {
+  SegmentSessionRow failed;
+  failed.queries = 400;
+  SelectorFold fold({});
+  const auto expect_current = [&](const char* when) {
+    const StrategyPrediction anew = PredictStrategies(fold.statistics().Value());
+    for (const Strategy strategy : kSelectableStrategies) {
+      EXPECT_EQ(fold.prediction().Of(strategy).expected_time, anew.Of(strategy).expected_time)
+          << when << ", " << StrategyName(strategy);
+    }
+  };
+  expect_current("no session");
+  fold.Add(Row(1, 5, 120, 0.6, 120, 0.3));
+  EXPECT_FALSE(fold.HasEvidence());
+  expect_current("too little");
+  fold.Add(Row(2, 40, 120, 0.6, 120, 0.3));
+  EXPECT_TRUE(fold.HasEvidence());
+  expect_current("enough");
+  failed.session = "s3";
+  failed.session_start_unix_ns = 3;
+  fold.Add(failed);
+  EXPECT_FALSE(fold.HasEvidence());
+  expect_current("no longer");
+}
+
 TEST(SelectStrategy, RanksTheOthersBestFirstBehindTheOneInForce) {
   const auto walls = SelectStrategy(std::vector{Row(1, 50, 100, 0.2, 30, 0.7)}).ranking;
   EXPECT_THAT(walls, ::testing::ElementsAre(Strategy::k1P1L, Strategy::kMixed, Strategy::k2P));
