@@ -135,16 +135,20 @@ std::string_view ChangeKindName(ChangeKind kind) {
   return "unknown";
 }
 
+Proportion InliersOf(std::int64_t inliers, std::int64_t matches, std::int64_t localized,
+                     const StatisticsOptions& options) {
+  return {Number(inliers), Number(matches),
+          IndependentQueries(localized, options) * options.independent_matches_per_query};
+}
+
 Proportion ProportionOf(ChangeKind kind, const SegmentSessionRow& row,
                         const StatisticsOptions& options) {
-  const double matches =
-      IndependentQueries(row.localized, options) * options.independent_matches_per_query;
   switch (kind) {
     case ChangeKind::kPoints:
-      return {Number(row.point_inliers), Number(row.point_matches), matches};
+      return InliersOf(row.point_inliers, row.point_matches, row.localized, options);
     case ChangeKind::kLines:
-      return {Number(row.usable_line_inliers + row.vertical_line_inliers),
-              Number(row.usable_line_matches + row.vertical_line_matches), matches};
+      return InliersOf(row.usable_line_inliers + row.vertical_line_inliers,
+                       row.usable_line_matches + row.vertical_line_matches, row.localized, options);
     case ChangeKind::kSuccess:
       return {Number(row.localized), Number(row.queries), IndependentQueries(row.queries, options)};
   }

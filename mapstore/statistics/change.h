@@ -32,6 +32,10 @@ inline constexpr std::array kChangeKinds = {ChangeKind::kPoints, ChangeKind::kLi
                                             ChangeKind::kSuccess};
 std::string_view ChangeKindName(ChangeKind kind);  // "points", "lines", "success"
 
+// The right ones of the matches that a session's localized queries have together.
+Proportion InliersOf(std::int64_t inliers, std::int64_t matches, std::int64_t localized,
+                     const StatisticsOptions& options);
+
 // What one session says about a kind.
 Proportion ProportionOf(ChangeKind kind, const SegmentSessionRow& row,
                         const StatisticsOptions& options);

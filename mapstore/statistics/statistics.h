@@ -35,10 +35,16 @@ class StatisticsFold {
 
   StatisticsOptions options_;
   double decay_;  // of one rank
-  SegmentStatistics sum_;
-  std::array<Proportion, kChangeKinds.size()> shares_;  // weighted, for the test for a change
-  // Sums of (weight x localized queries x a session's median); the means are these by
-  // sum_.weighted_localized.
+  // Plain counts.
+  std::int64_t sessions_ = 0;
+  std::int64_t queries_ = 0;
+  std::int64_t localized_ = 0;
+  // All else is weighted by age.
+  std::array<Proportion, kChangeKinds.size()> shares_;  // by kind
+  Proportion usable_lines_;
+  Proportion vertical_lines_;
+  // Sums of (weight x localized queries x a session's median); the means are these by the
+  // localized queries by weight.
   double point_medians_ = 0.0;
   double usable_line_medians_ = 0.0;
   double vertical_line_medians_ = 0.0;

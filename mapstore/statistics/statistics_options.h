@@ -25,11 +25,4 @@ inline double IndependentQueries(std::int64_t queries, const StatisticsOptions& 
   return std::min(static_cast<double>(queries), options.independent_queries_per_session);
 }
 
-// Of the matches that a session's localized queries have together.
-inline double IndependentMatches(std::int64_t localized, std::int64_t matches,
-                                 const StatisticsOptions& options) {
-  return std::min(static_cast<double>(matches),
-                  IndependentQueries(localized, options) * options.independent_matches_per_query);
-}
-
 }  // namespace maploc
