@@ -27,8 +27,7 @@ void WriteRate(std::ostream& out, const std::string& name, const ExplainedRate& 
 
 void WriteStrategy(std::ostream& out, Strategy strategy, const StrategyOutlook& outlook,
                    const SelectorOptions& options) {
-  const double cost =
-      StrategyValues{options.cost_1p1l, options.cost_2p, options.cost_mixed}.Of(strategy);
+  const double cost = CostOf(strategy, options);
   out << "  " << Name(strategy) << ": a draw is all inliers with "
       << FixedText(outlook.draw_probability, 5) << ", an iteration succeeds with "
       << FixedText(outlook.iteration_probability, 5) << ", a query of " << options.max_iterations

@@ -15,10 +15,6 @@ BetaDistribution Posterior(double inliers, double matches, double independent,
           options.prior_matches * (1.0 - options.prior_inlier_ratio) + count * (1.0 - ratio)};
 }
 
-double CostOf(Strategy strategy, const SelectorOptions& options) {
-  return StrategyValues{options.cost_1p1l, options.cost_2p, options.cost_mixed}.Of(strategy);
-}
-
 // That at least one of `count` matches (a mean over queries) is right.
 double AnyRight(double count, double rate) {
   return rate < 1.0 ? -std::expm1(count * std::log1p(-rate)) : (count > 0.0 ? 1.0 : 0.0);
@@ -104,6 +100,10 @@ void Finish(double draw_probability, double cost, StrategyOutlook& outlook) {
 }
 
 }  // namespace
+
+double CostOf(Strategy strategy, const SelectorOptions& options) {
+  return StrategyValues{options.cost_1p1l, options.cost_2p, options.cost_mixed}.Of(strategy);
+}
 
 InlierRates RatePosteriors::Means() const {
   return {points.Mean(), usable_lines.Mean(), vertical_lines.Mean()};

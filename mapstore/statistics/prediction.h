@@ -15,6 +15,9 @@ namespace maploc {
 inline constexpr std::array kSelectableStrategies = {Strategy::kMixed, Strategy::k2P,
                                                      Strategy::k1P1L};
 
+// Of one iteration. REQUIRES: one of kSelectableStrategies.
+double CostOf(Strategy strategy, const SelectorOptions& options);
+
 // What is known of a segment's rates: Beta posteriors of the weak prior and the segment's
 // independent matches at their (weighted) ratio.
 struct RatePosteriors {

@@ -40,11 +40,10 @@ Json ToJson(const StrategyOutlook& outlook, double cost) {
 }
 
 Json DrawsToJson(const Explanation& e) {
-  const StrategyValues costs = {e.options.cost_1p1l, e.options.cost_2p, e.options.cost_mixed};
   Json draws;
   for (const Strategy strategy : {Strategy::k1P1L, Strategy::k2P, Strategy::kMixed}) {
     draws[std::string(StrategyName(strategy))] =
-        ToJson(e.prediction.Of(strategy), costs.Of(strategy));
+        ToJson(e.prediction.Of(strategy), CostOf(strategy, e.options));
   }
   return draws;
 }
