@@ -83,6 +83,7 @@ bool HasRival(const PoseProblem& problem, const RefinedPose& pose,
   if (IsSamePose(problem, pose, *rival)) return false;
   ConfidenceOptions chance = options;
   chance.iterations = kRivalIterations;
+  chance.clump_share = 0.0;  // a door that is mistaken for another is what is looked for
   return LogNumberOfFalseAlarms(left_over, *rival, chance) < kMaxLogAlarms;
 }
 

@@ -34,7 +34,7 @@ struct Consensus {
   Rigid3 camera_from_map;
   std::vector<std::uint8_t> point_inliers;  // one a point correspondence, 0 or 1
   std::vector<std::uint8_t> line_inliers;
-  double score = 0.0;  // sum of weights x (1 - e^2 / t^2) over inliers; larger is better
+  double score = 0.0;                    // of the search's pose (scoring.h); larger is better
   Strategy strategy = Strategy::kMixed;  // that found it, or was tried last
   bool fell_back = false;
   std::int32_t iterations = 0;  // evaluated hypotheses, over all strategies tried

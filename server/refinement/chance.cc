@@ -8,7 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-#include "server/refinement/spread_indices.h"
+#include "server/refinement/clumps.h"
+#include "server/refinement/outlier_pairs.h"
 
 namespace maploc {
 namespace {
@@ -16,12 +17,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFarAway = 1e9;
 constexpr double kAccidents = 2.0;
-// Displacements by the same distance in the map differ in the image by about this share.
-constexpr double kPerspectiveShare = 0.05;
-// Outliers that lie this close are the tail of the same pose's noise and of badly triangulated
-// landmarks, and all alike in that; a pattern repeats at larger steps.
-constexpr double kNearMissThresholds = 4.0;
-constexpr int kMostInPlace = 2;
+// Of a clump's width: features further apart are of two things.
+constexpr double kClumpGapShare = 0.3;
 
 double LogChoose(int n, int k) {
   return std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
@@ -40,9 +37,10 @@ PointUnderPose Look(const PointCorrespondence& match, const PoseMatrix& pose) {
   return {match.normalized, Eigen::Vector2d::Constant(kFarAway), false};
 }
 
-// Inliers of which no two are closer together than the distance, greedily from left to right.
-int InliersApart(const std::vector<PointUnderPose>& points,
-                 const std::vector<std::uint8_t>& inliers, double distance) {
+// Inliers of which no two are closer together than the threshold, greedily from left to right.
+std::vector<Eigen::Vector2d> DistinctInliers(const std::vector<PointUnderPose>& points,
+                                             const std::vector<std::uint8_t>& inliers,
+                                             double threshold) {
   std::vector<Eigen::Vector2d> seen;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (inliers[i] != 0) seen.push_back(points[i].seen);
@@ -54,12 +52,12 @@ int InliersApart(const std::vector<PointUnderPose>& points,
   for (const Eigen::Vector2d& point : seen) {
     bool is_new = true;
     for (auto other = kept.rbegin(); is_new && other != kept.rend(); ++other) {
-      if (point.x() - other->x() >= distance) break;
-      is_new = (point - *other).squaredNorm() >= distance * distance;
+      if (point.x() - other->x() >= threshold) break;
+      is_new = (point - *other).squaredNorm() >= threshold * threshold;
     }
     if (is_new) kept.push_back(point);
   }
-  return static_cast<int>(kept.size());
+  return kept;
 }
 
 PairCount WrongPairs(const std::vector<PointUnderPose>& points,
@@ -123,10 +121,7 @@ double SharedShift(const std::vector<PointUnderPose>& points,
     count.pairs += pairs;
     expected += static_cast<double>(pairs) * std::min(1.0, std::numbers::pi * tolerance2 / area);
   }
-  if (count.pairs == 0) return 0.0;
-  const double accident = expected / static_cast<double>(count.pairs);
-  const double share = ShareBeyondAccident(count, accident);
-  return share > accident ? share : 0.0;
+  return ShareOfPattern(count, expected);
 }
 
 }  // namespace
@@ -181,14 +176,14 @@ std::int64_t AgreeingByRepetition(const std::vector<std::int64_t>& per_landmark)
 
 Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
                          const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
-                         double threshold, double place) {
+                         double threshold, double clump_width) {
   std::vector<PointUnderPose> under_pose;
   under_pose.reserve(points.size());
   for (const PointCorrespondence& point : points) under_pose.push_back(Look(point, pose));
   Agreement agreement;
   agreement.matches = static_cast<int>(points.size());
-  agreement.distinct_inliers = std::min(InliersApart(under_pose, inliers, threshold),
-                                        kMostInPlace * InliersApart(under_pose, inliers, place));
+  agreement.distinct_inliers = CountByClumps(DistinctInliers(under_pose, inliers, threshold),
+                                             kClumpGapShare * clump_width, clump_width);
   agreement.wrong_pairs = WrongPairs(under_pose, inliers, threshold);
   agreement.shared_shift = SharedShift(under_pose, inliers, threshold);
   return agreement;

@@ -37,8 +37,8 @@ std::int64_t AgreeingByRepetition(const std::vector<std::int64_t>& per_landmark)
 // Evidence of one feature type under a pose.
 struct Agreement {
   int matches = 0;
-  // Features closer together than the threshold count once; and of points no more than two a place
-  // count (a sign or a chair that was moved agrees with a wrong pose by all its features or none).
+  // Features closer together than the threshold count once; and of points in a clump of their own
+  // two (clumps.h: a sign that was moved agrees with a wrong pose by all its features or none).
   int distinct_inliers = 0;
   PairCount wrong_pairs;      // (feature i, outlier's landmark j) with i and j seen apart
   double shared_shift = 0.0;  // see below; 0 unless it is more than accident
@@ -51,11 +51,11 @@ struct Agreement {
 // whose d agree within sqrt(2) thresholds or a twentieth of their length (perspective); d below
 // four thresholds is the tail of the pose's own noise and left out.
 //
-// `threshold`, `place` and lengths in the plane z = 1; what is closer together than `place` is in
-// one place. Looks at no more than about 100,000 pairs, evenly spread; O(n log n) otherwise.
+// `threshold`, `clump_width` and lengths in the plane z = 1. Looks at no more than about 100,000
+// pairs, evenly spread; O(n log n) otherwise.
 Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
                          const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
-                         double threshold, double place);
+                         double threshold, double clump_width);
 
 // Lines are compared with lines of like direction in the image alone (10 degrees): a row of windows
 // is taken for another row, never for a column, so that the share among all pairs would flatter.

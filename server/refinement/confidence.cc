@@ -32,8 +32,6 @@ constexpr double kUndeterminedConfidence = 0.5;
 // turned freely, and its matches then agree by dozens; upright it does so by shifts alone, and for
 // those Chance looks. So a pose that gravity does not support needs so much more.
 constexpr double kDoubtWithoutGravity = 4.0;
-// Of the image's diagonal: as large as what is moved, or mistaken, as a whole.
-constexpr double kPlaceShare = 0.06;
 // Pairs of outliers share a displacement less often than a pattern's commonest one occurs.
 constexpr double kRepeatFactor = 3.0;
 // How often a wrong line agrees where nothing is known: in buildings one in ten, by so many pairs.
@@ -97,11 +95,11 @@ double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pos
   const double focal = problem.focal_length_px;
   const double threshold = options.max_reprojection_error_px / focal;
   const double image_area = options.image_width_px / focal * (options.image_height_px / focal);
-  const double place =
-      kPlaceShare * std::hypot(options.image_width_px, options.image_height_px) / focal;
+  const double clump_width =
+      options.clump_share * std::hypot(options.image_width_px, options.image_height_px) / focal;
   const PoseMatrix matrix(pose.camera_from_map);
   const Agreement points =
-      PointAgreement(problem.points, pose.point_inliers, matrix, threshold, place);
+      PointAgreement(problem.points, pose.point_inliers, matrix, threshold, clump_width);
   const Agreement lines = LineAgreement(problem.lines, pose.line_inliers, matrix, threshold,
                                         kMinProjectedLinePx / focal);
   const ChanceRates rates = RatesFromAreas(problem, threshold, image_area);

@@ -7,6 +7,7 @@
 
 #include "mapstore/geometry/gravity.h"
 #include "server/refinement/pose_residuals.h"
+#include "server/refinement/skew.h"
 
 namespace maploc {
 namespace {
@@ -27,12 +28,6 @@ Matrix InverseOfInformation(const Matrix& information) {
   const auto inverse = eigen.eigenvalues().cwiseMax(floor).cwiseInverse().eval();
   return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() *
          eigen.eigenvectors().transpose() * scale.asDiagonal();
-}
-
-Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
 }
 
 }  // namespace

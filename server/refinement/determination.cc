@@ -43,9 +43,7 @@ class Measurements {
  private:
   // Every step-th inlier is looked at: their mean information counts, which more do not change.
   static std::size_t Step(const RefinedPose& pose) {
-    const auto inliers = std::count(pose.point_inliers.begin(), pose.point_inliers.end(), 1) +
-                         std::count(pose.line_inliers.begin(), pose.line_inliers.end(), 1);
-    return 1 + static_cast<std::size_t>(inliers) / kEnoughInliers;
+    return 1 + pose.InlierCount() / kEnoughInliers;
   }
 
   static Eigen::Vector3d SomeInlier(const PoseProblem& problem, const RefinedPose& pose) {

@@ -14,7 +14,7 @@ namespace maploc {
 namespace {
 
 constexpr double kChiSquare2AtOneInTenThousand = 18.42068;
-constexpr std::ptrdiff_t kEnoughInliers = 200;
+constexpr std::size_t kEnoughInliers = 200;
 constexpr double kLeastGravitySigmaRad = 0.1 * std::numbers::pi / 180.0;
 
 // The turn about the map's x and y axes that takes the map's gravity to the measured one.
@@ -37,9 +37,7 @@ std::vector<Feature> EveryKth(std::size_t step, const std::vector<Feature>& feat
 // Where there are hundreds of inliers, a part of the matches tells tilt far better than any
 // accelerometer.
 PoseProblem EnoughOf(const PoseProblem& problem, const RefinedPose& pose) {
-  const auto inliers = std::count(pose.point_inliers.begin(), pose.point_inliers.end(), 1) +
-                       std::count(pose.line_inliers.begin(), pose.line_inliers.end(), 1);
-  const auto step = static_cast<std::size_t>((inliers + kEnoughInliers - 1) / kEnoughInliers);
+  const std::size_t step = (pose.InlierCount() + kEnoughInliers - 1) / kEnoughInliers;
   if (step <= 1) return problem;
   PoseProblem part = problem;
   part.points = EveryKth(step, problem.points);

@@ -6,15 +6,12 @@
 #include <Eigen/Geometry>
 
 #include "server/refinement/chance.h"
-#include "server/refinement/spread_indices.h"
+#include "server/refinement/outlier_pairs.h"
 
 namespace maploc {
 namespace {
 
 constexpr double kLikeDirection = 0.98480775301220802;  // cosine of 10 degrees
-// As for points (chance.cc).
-constexpr double kPerspectiveShare = 0.05;
-constexpr double kNearMissThresholds = 4.0;
 
 // A line match under the pose: the seen segment, and where its landmark is seen. An image line is
 // (unit normal, offset): normal . p + offset = 0.
@@ -126,10 +123,7 @@ double SharedShift(const std::vector<LineUnderPose>& lines,
       count.agreeing += std::abs(one.shift - other.shift) < tolerance ? 1 : 0;
     }
   }
-  if (count.pairs == 0) return 0.0;
-  const double accident = expected / static_cast<double>(count.pairs);
-  const double share = ShareBeyondAccident(count, accident);
-  return share > accident ? share : 0.0;
+  return ShareOfPattern(count, expected);
 }
 
 }  // namespace

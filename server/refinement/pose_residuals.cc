@@ -3,15 +3,10 @@
 #include <cmath>
 
 #include "mapstore/geometry/gravity.h"
+#include "server/refinement/skew.h"
 
 namespace maploc {
 namespace {
-
-Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
 
 Eigen::Matrix3d LeftJacobianOfSo3(const Eigen::Vector3d& w) {
   const double angle2 = w.squaredNorm();

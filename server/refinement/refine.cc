@@ -52,12 +52,15 @@ void ThinOut(std::size_t step, std::vector<std::uint8_t>* flags) {
   }
 }
 
+std::size_t CountOf(const std::vector<std::uint8_t>& flags) {
+  return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
+}
+
 InlierFlags Thinned(InlierFlags inliers, int count) {
   const std::size_t step = static_cast<std::size_t>((inliers.count + count - 1) / count);
   ThinOut(step, &inliers.points);
   ThinOut(step, &inliers.lines);
-  inliers.count = static_cast<int>(std::count(inliers.points.begin(), inliers.points.end(), 1) +
-                                   std::count(inliers.lines.begin(), inliers.lines.end(), 1));
+  inliers.count = static_cast<int>(CountOf(inliers.points) + CountOf(inliers.lines));
   return inliers;
 }
 
@@ -161,6 +164,10 @@ class Refiner {
 };
 
 }  // namespace
+
+std::size_t RefinedPose::InlierCount() const {
+  return CountOf(point_inliers) + CountOf(line_inliers);
+}
 
 RefinedPose RefinePose(const PoseProblem& problem, const Rigid3& camera_from_map,
                        const RefineOptions& options) {

@@ -2,6 +2,7 @@
 // its covariance.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct RefinedPose {
   PoseCovariance covariance = PoseCovariance::Zero();
   std::vector<std::uint8_t> point_inliers;  // under the final pose
   std::vector<std::uint8_t> line_inliers;
+
+  // Points and lines.
+  std::size_t InlierCount() const;
 };
 
 // Deterministic; thread-safe. Without gravity the mode is 6Dof.
