@@ -11,6 +11,7 @@
 #include "mapstore/store/sqlite_store.h"
 #include "server/sessions/session_manager.h"
 #include "tests/contract/store/store_fixture.h"
+#include "tests/support/files.h"
 
 namespace maploc::testing {
 namespace {

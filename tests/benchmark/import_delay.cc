@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "tests/contract/store/store_fixture.h"
+#include "tests/support/files.h"
 
 namespace maploc::testing {
 namespace {

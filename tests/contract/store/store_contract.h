@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/contract/store/store_fixture.h"
+#include "tests/support/files.h"
 
 namespace maploc::testing {
 

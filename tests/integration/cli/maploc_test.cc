@@ -1,98 +1,63 @@
 // The real binaries, as a script uses them: exit codes, JSON and messages of `maploc`.
-#include <chrono>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <thread>
+#include <memory>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/process.h"
+#include "tests/support/files.h"
+#include "tests/support/run_binary.h"
+#include "tests/support/server_process.h"
 
-namespace maploc {
+namespace maploc::testing {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
-
-const std::string kBin = MAPLOC_BIN_DIR;
-
-std::string ReadFile(const fs::path& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-struct Outcome {
-  int code;
-  std::string out;
-  std::string err;
-};
 
 // One campus, imported and served, for all tests of this file.
 class MaplocTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    dir_ = fs::path(::testing::TempDir()) / "maploc_cli";
-    fs::remove_all(dir_);
-    fs::create_directories(dir_);
-    const std::string campus = dir_ / "campus";
-    ASSERT_EQ(Run("maploc simulate --write-world " + campus).code, 0);
-    const Outcome imported =
-        Run("maploc-map import-colmap --store " + (dir_ / "store.db").string() +
-            " --map campus --model " + campus + "/model --database " + campus +
-            "/database.db --descriptors orb --lines " + campus +
-            "/lines.txt --gravity 0,0,-1 --scale 1 --segment-length 45");
-    ASSERT_EQ(imported.code, 0) << imported.err;
-    const fs::path port = dir_ / "port";
-    server_ = new testing::Process({kBin + "/maploc-server", "--store", dir_ / "store.db",
-                                    "--listen", "127.0.0.1:0", "--port-file", port},
-                                   dir_ / "server.log");
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (ReadFile(port).empty() && std::chrono::steady_clock::now() < give_up) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    server_address_ = "127.0.0.1:" + ReadFile(port);
-    while (server_address_.ends_with('\n')) server_address_.pop_back();
+    folder_ = std::make_unique<TemporaryFolder>();
+    server_ = std::make_unique<ServerProcess>(*folder_);
+    const std::string campus = folder_->File("campus");
+    const Output written = RunBinary("maploc simulate --write-world " + campus);
+    ASSERT_EQ(written.exit_code, 0) << written.error;
+    const Output imported = RunBinary("maploc-map import-colmap --store " + folder_->File("store") +
+                                      " --map campus --model " + campus + "/model --database " +
+                                      campus + "/database.db --descriptors orb --lines " + campus +
+                                      "/lines.txt --gravity 0,0,-1 --scale 1 --segment-length 45");
+    ASSERT_EQ(imported.exit_code, 0) << imported.error;
+    server_address_ = server_->Start();
+    ASSERT_NE(server_address_, "");
   }
   static void TearDownTestSuite() {
-    delete server_;
-    fs::remove_all(dir_);
+    server_.reset();
+    folder_.reset();
   }
 
-  // `command` begins with a binary's name.
-  static Outcome Run(const std::string& command) {
-    const fs::path out = dir_ / "out";
-    const fs::path err = dir_ / "err";
-    const int status =
-        std::system((kBin + "/" + command + " >" + out.string() + " 2>" + err.string()).c_str());
-    return {WEXITSTATUS(status), ReadFile(out), ReadFile(err)};
-  }
   static std::string At() { return " --server " + server_address_ + " "; }
-  static std::string Campus(const std::string& file) { return (dir_ / "campus" / file).string(); }
+  static std::string Campus(const std::string& file) { return folder_->File("campus/" + file); }
 
-  static inline fs::path dir_;
+  static inline std::unique_ptr<TemporaryFolder> folder_;
+  static inline std::unique_ptr<ServerProcess> server_;
   static inline std::string server_address_;
-  static inline testing::Process* server_ = nullptr;
 };
 
 TEST_F(MaplocTest, WrongUsageIsTwoAndHelpShowsAnExample) {
-  EXPECT_EQ(Run("maploc").code, 2);
-  EXPECT_EQ(Run("maploc fly").code, 2);
-  EXPECT_EQ(Run("maploc replay --server 127.0.0.1:1").code, 2);
-  EXPECT_EQ(Run("maploc end-session --session x --bogus").code, 2);
-  EXPECT_EQ(Run("maploc replay --server a:1 --map m --colmap d --strategy 3p").code, 2);
-  EXPECT_EQ(Run("maploc replay --server a:1 --map m --colmap d --label season").code, 2);
-  EXPECT_EQ(Run("maploc localize --server a:1 --map m --image i --camera c --gravity 0,1").code, 2);
-  EXPECT_EQ(Run("maploc load --server a:1 --map m --colmap d --robots many").code, 2);
+  for (const std::string wrong :
+       {"", "fly", "replay --server 127.0.0.1:1", "end-session --session x --bogus",
+        "replay --server a:1 --map m --colmap d --strategy 3p",
+        "replay --server a:1 --map m --colmap d --label season",
+        "localize --server a:1 --map m --image i --camera c --gravity 0,1",
+        "load --server a:1 --map m --colmap d --robots many"}) {
+    const Output refused = RunBinary("maploc " + wrong);
+    EXPECT_EQ(refused.exit_code, 2) << wrong << ": " << refused.error;
+  }
   for (const char* command : {"localize", "replay", "end-session", "load", "simulate"}) {
-    const Outcome help = Run(std::string("maploc ") + command + " --help");
-    EXPECT_EQ(help.code, 0);
+    const Output help = RunBinary(std::string("maploc ") + command + " --help");
+    EXPECT_EQ(help.exit_code, 0) << command << ": " << help.error;
     EXPECT_THAT(help.out, HasSubstr(std::string("  maploc ") + command));
   }
 }
@@ -122,19 +87,16 @@ TEST_F(MaplocTest, AFailureIsOneAndOneLine) {
       load + "--session-queries 0",
   };
   for (const std::string& command : commands) {
-    const Outcome failed = Run("maploc " + command);
-    EXPECT_EQ(failed.code, 1) << command;
-    EXPECT_EQ(failed.out, "") << command;
-    EXPECT_EQ(std::count(failed.err.begin(), failed.err.end(), '\n'), 1) << failed.err;
-    EXPECT_THAT(failed.err, HasSubstr("maploc: ")) << command;
+    SCOPED_TRACE(command);
+    ExpectFailed(RunBinary("maploc " + command), "maploc: ");
   }
 }
 
 TEST_F(MaplocTest, AReplayLocalizesAndReportsWhatScriptsRelyOn) {
-  const Outcome replay =
-      Run("maploc replay" + At() + "--map campus --colmap " + Campus("model") + " --database " +
-          Campus("database.db") + " --gravity-noise-deg 0.5 --label season=summer --json");
-  ASSERT_EQ(replay.code, 0) << replay.err;
+  const Output replay = RunBinary("maploc replay" + At() + "--map campus --colmap " +
+                                  Campus("model") + " --database " + Campus("database.db") +
+                                  " --gravity-noise-deg 0.5 --label season=summer --json");
+  ASSERT_EQ(replay.exit_code, 0) << replay.error;
   const Json json = Json::parse(replay.out);
   EXPECT_EQ(json["queries"], 180);
   EXPECT_GE(json["localized"].get<int>(), 175);
@@ -157,9 +119,9 @@ TEST_F(MaplocTest, AReplayLocalizesAndReportsWhatScriptsRelyOn) {
 
   const std::string end =
       "maploc end-session" + At() + "--json --session " + json["session"].get<std::string>();
-  const Outcome once = Run(end);
-  const Outcome twice = Run(end);
-  EXPECT_EQ(once.code, 0) << once.err;
+  const Output once = RunBinary(end);
+  const Output twice = RunBinary(end);
+  EXPECT_EQ(once.exit_code, 0) << once.error;
   EXPECT_EQ(once.out, twice.out);
   EXPECT_EQ(Json::parse(once.out)["queries"], 180);
 }
@@ -168,8 +130,8 @@ TEST_F(MaplocTest, ManyRobotsAtOnceAreReported) {
   const std::string load = "maploc load" + At() + "--map campus --colmap " + Campus("model") +
                            " --database " + Campus("database.db") +
                            " --gravity-noise-deg 0.5 --robots 4 --session-queries 5 --json ";
-  const Outcome run = Run(load + "--seconds 1");
-  ASSERT_EQ(run.code, 0) << run.err;
+  const Output run = RunBinary(load + "--seconds 1");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
   const Json json = Json::parse(run.out);
   int answers = 0;
   for (const auto& [outcome, count] : json["outcomes"].items()) answers += count.get<int>();
@@ -183,21 +145,22 @@ TEST_F(MaplocTest, ManyRobotsAtOnceAreReported) {
   }
 
   // Ten a second for a second, whatever the server could do.
-  const Json paced = Json::parse(Run(load + "--seconds 1 --rate 10 --without-sessions").out);
+  const Json paced = Json::parse(RunBinary(load + "--seconds 1 --rate 10 --without-sessions").out);
   EXPECT_EQ(paced["requests"], 10);
   EXPECT_EQ(paced["sessions"], 0);
 
   // The first query at once, the second in more years than a clock counts.
-  const Json rare = Json::parse(Run(load + "--seconds 1 --rate 1e-300 --without-sessions").out);
+  const Json rare =
+      Json::parse(RunBinary(load + "--seconds 1 --rate 1e-300 --without-sessions").out);
   EXPECT_EQ(rare["requests"], 1);
 }
 
 TEST_F(MaplocTest, RobotsInTheCampusTeachTheServerAndLeaveAPicture) {
-  const fs::path picture = dir_ / "campus.svg";
-  const Outcome run = Run(
+  const std::string picture = folder_->File("campus.svg");
+  const Output run = RunBinary(
       "maploc simulate" + At() +
-      "--map campus --seasons summer --robots 2 --queries 30 --json --picture " + picture.string());
-  ASSERT_EQ(run.code, 0) << run.err;
+      "--map campus --seasons summer --robots 2 --queries 30 --json --picture " + picture);
+  ASSERT_EQ(run.exit_code, 0) << run.error;
   const Json json = Json::parse(run.out);
   ASSERT_EQ(json["sessions"].size(), 2u);
   for (const Json& session : json["sessions"]) {
@@ -214,4 +177,4 @@ TEST_F(MaplocTest, RobotsInTheCampusTeachTheServerAndLeaveAPicture) {
 }
 
 }  // namespace
-}  // namespace maploc
+}  // namespace maploc::testing

@@ -5,8 +5,9 @@
 
 #include "mapstore/store/sqlite_store.h"
 #include "tests/integration/crash/robot_day.h"
-#include "tests/integration/crash/server_process.h"
+#include "tests/support/run_binary.h"
 #include "tests/support/seed.h"
+#include "tests/support/server_process.h"
 #include "tests/support/stored_world.h"
 
 namespace maploc::testing {
@@ -87,9 +88,8 @@ class KillTest : public ::testing::Test {
   }
 
   void CheckTheStoreVerifies() const {
-    const std::string command = std::string(MAPLOC_BIN_DIR) + "/maploc-map verify --store " +
-                                folder_.File("store") + " >" + folder_.File("verify") + " 2>&1";
-    EXPECT_EQ(std::system(command.c_str()), 0) << std::ifstream(folder_.File("verify")).rdbuf();
+    const Output verify = RunBinary("maploc-map verify --store " + folder_.File("store"));
+    EXPECT_EQ(verify.exit_code, 0) << verify.out << verify.error;
   }
 
   // What a robot was told of the session that the kill interrupted, and what the store has of it.
@@ -136,7 +136,7 @@ class KillTest : public ::testing::Test {
   const DrawnWorld world_;
   const std::vector<Query> queries_;
   MapKey map_;
-  ServerProcess server_{folder_};
+  ServerProcess server_{folder_, {"--queue", "64", "--log-level", "warn"}};
   std::vector<RobotDay> robots_;
   Moment killed_;
   std::int64_t lost_ = 0;

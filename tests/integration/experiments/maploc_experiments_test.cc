@@ -1,16 +1,13 @@
 // The binary itself with a few trials: rows, exit codes, files. What the figures say is in
 // tests/experiments/README.md.
-#include <algorithm>
-#include <array>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
+
+#include "tests/support/files.h"
+#include "tests/support/run_binary.h"
 
 namespace maploc::testing {
 namespace {
@@ -19,26 +16,13 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 using ::testing::UnorderedElementsAre;
 
-struct Output {
-  int exit_code = -1;
-  std::string out;  // with `2>&1` in the arguments, what it wrote to standard error too
-};
-
 Output RunExperiments(const std::string& arguments) {
-  const std::string command = std::string(MAPLOC_BIN_DIR) + "/maploc-experiments " + arguments;
-  Output run;
-  FILE* pipe = popen(command.c_str(), "r");
-  std::array<char, 4096> buffer;
-  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) {
-    run.out.append(buffer.data(), n);
-  }
-  run.exit_code = WEXITSTATUS(pclose(pipe));
-  return run;
+  return RunBinary("maploc-experiments " + arguments);
 }
 
 nlohmann::json Rows(const std::string& arguments) {
   const Output run = RunExperiments(arguments + " --json");
-  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.exit_code, 0) << run.error;
   nlohmann::json rows = nlohmann::json::parse(run.out, nullptr, false);
   EXPECT_TRUE(rows.is_array()) << run.out;
   return rows;
@@ -47,16 +31,6 @@ nlohmann::json Rows(const std::string& arguments) {
 void ExpectKeys(const nlohmann::json& row, const std::set<std::string>& keys) {
   for (const std::string& key : keys) EXPECT_TRUE(row.contains(key)) << key << " of " << row;
 }
-
-class Scratch : public ::testing::Test {
- protected:
-  Scratch() {
-    std::string name = (std::filesystem::temp_directory_path() / "experimentsXXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~Scratch() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path folder_;
-};
 
 TEST(Experiments, RobustnessHasTheContractsGridAndKeys) {
   const nlohmann::json rows = Rows("robustness --trials 2 --methods mixed-auto,p3p");
@@ -129,41 +103,36 @@ TEST(Experiments, ReliabilityTellsAShareABin) {
   ExpectKeys(rows.back(), {"confidence_from", "answers", "success_rate", "mean_confidence"});
 }
 
-TEST_F(Scratch, WritesCsvAndCharts) {
-  const Output run =
-      RunExperiments("sensitivity --trials 1 --methods 2p-auto --csv " +
-                     (folder_ / "rows.csv").string() + " --plot " + (folder_ / "charts").string());
-  EXPECT_EQ(run.exit_code, 0);
+TEST(Experiments, WritesCsvAndCharts) {
+  const TemporaryFolder folder;
+  const Output run = RunExperiments("sensitivity --trials 1 --methods 2p-auto --csv " +
+                                    folder.File("rows.csv") + " --plot " + folder.File("charts"));
+  EXPECT_EQ(run.exit_code, 0) << run.error;
   EXPECT_THAT(run.out, HasSubstr("2p-auto"));  // a table, without --json
-  std::ifstream csv(folder_ / "rows.csv");
-  std::string header;
-  std::getline(csv, header);
-  EXPECT_THAT(header, StartsWith("experiment,method,inliers,"));
-  for (const char* name : {"success", "rotation", "translation"}) {
-    std::ifstream svg(folder_ / "charts" / (std::string("sensitivity_") + name + ".svg"));
-    std::string first;
-    std::getline(svg, first);
-    EXPECT_THAT(first, StartsWith("<svg"));
+  EXPECT_THAT(folder.Read("rows.csv"), StartsWith("experiment,method,inliers,"));
+  for (const std::string name : {"success", "rotation", "translation"}) {
+    EXPECT_THAT(folder.Read("charts/sensitivity_" + name + ".svg"), StartsWith("<svg")) << name;
   }
 }
 
-TEST_F(Scratch, AddsTheRowsOfAnEarlierRun) {
-  const std::string file = (folder_ / "earlier.json").string();
+TEST(Experiments, AddsTheRowsOfAnEarlierRun) {
+  const TemporaryFolder folder;
+  const std::string file = folder.File("earlier.json");
   const std::string only = "robustness --trials 1 --only inliers=10 --only outlier_rate=0.8 ";
-  EXPECT_EQ(RunExperiments(only + "--methods p3p --json >" + file).exit_code, 0);
+  WriteFile(file, RunExperiments(only + "--methods p3p --json").out);
   const nlohmann::json rows = Rows(only + "--methods 2p-auto --add " + file);
   ASSERT_EQ(rows.size(), 4u);
   EXPECT_EQ(rows[0]["method"], "2p-auto");
   EXPECT_EQ(rows[3]["method"], "p3p");
-  EXPECT_EQ(RunExperiments("timing --trials 1 --add " + file + " 2>&1").exit_code, 1);
+  EXPECT_EQ(RunExperiments("timing --trials 1 --add " + file).exit_code, 1);
 }
 
 TEST(Experiments, WrongUsageIsTwo) {
-  EXPECT_EQ(RunExperiments("nothing 2>&1").exit_code, 2);
-  EXPECT_EQ(RunExperiments("2>&1").exit_code, 2);
-  EXPECT_EQ(RunExperiments("robustness --methods p3p,p4p 2>&1").exit_code, 2);
-  EXPECT_EQ(RunExperiments("robustness --trials many 2>&1").exit_code, 2);
-  EXPECT_EQ(RunExperiments("robustness --trails 1 2>&1").exit_code, 2);
+  for (const std::string wrong : {"", "nothing", "robustness --methods p3p,p4p",
+                                  "robustness --trials many", "robustness --trails 1"}) {
+    const Output refused = RunExperiments(wrong);
+    EXPECT_EQ(refused.exit_code, 2) << wrong << ": " << refused.error;
+  }
 }
 
 TEST(Experiments, WhatCannotBeDoneIsOneAndALine) {
@@ -171,10 +140,8 @@ TEST(Experiments, WhatCannotBeDoneIsOneAndALine) {
        {"robustness --trials 0", "robustness --trials 1 --csv /nowhere/rows.csv",
         "robustness --trials 1 --plot /proc/charts", "robustness --only inliers=11",
         "false-accepts --trials 1 --methods epnp"}) {
-    const Output run = RunExperiments(arguments + " 2>&1");
-    EXPECT_EQ(run.exit_code, 1) << arguments;
-    EXPECT_THAT(run.out, StartsWith("maploc-experiments: "));
-    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1) << run.out;
+    SCOPED_TRACE(arguments);
+    ExpectFailed(RunExperiments(arguments), "maploc-experiments: ");
   }
 }
 
@@ -182,7 +149,7 @@ TEST(Experiments, HelpHasAnExample) {
   for (const std::string command :
        {"accuracy", "sensitivity", "robustness", "timing", "false-accepts", "reliability"}) {
     const Output run = RunExperiments(command + " --help");
-    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_EQ(run.exit_code, 0) << command << ": " << run.error;
     EXPECT_THAT(run.out, HasSubstr("Example:\n  maploc-experiments " + command));
   }
 }

@@ -1,33 +1,17 @@
 // `maploc-experiments selection` as scripts see it.
-#include <algorithm>
-#include <array>
-#include <cstdio>
-#include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
+
+#include "tests/support/files.h"
+#include "tests/support/run_binary.h"
 
 namespace maploc::testing {
 namespace {
 
-struct Output {
-  int exit_code = -1;
-  std::string out;
-};
-
 Output RunSelectionCommand(const std::string& arguments) {
-  const std::string command =
-      std::string(MAPLOC_BIN_DIR) + "/maploc-experiments selection " + arguments;
-  Output run;
-  FILE* pipe = popen(command.c_str(), "r");
-  std::array<char, 4096> buffer;
-  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) {
-    run.out.append(buffer.data(), n);
-  }
-  run.exit_code = WEXITSTATUS(pclose(pipe));
-  return run;
+  return RunBinary("maploc-experiments selection " + arguments);
 }
 
 void ExpectShares(const nlohmann::json& shares) {
@@ -39,7 +23,7 @@ void ExpectShares(const nlohmann::json& shares) {
 
 TEST(SelectionCommand, JsonHasTheContractsShape) {
   const Output run = RunSelectionCommand("--queries 4 --trials 1 --json");
-  ASSERT_EQ(run.exit_code, 0);
+  ASSERT_EQ(run.exit_code, 0) << run.error;
   const nlohmann::json document = nlohmann::json::parse(run.out, nullptr, false);
   ASSERT_TRUE(document.is_object()) << run.out;
   ASSERT_GE(document["sessions"].size(), 5u);
@@ -63,21 +47,17 @@ TEST(SelectionCommand, JsonHasTheContractsShape) {
 }
 
 TEST(SelectionCommand, AFolderWithoutSessionsFailsInOneLine) {
-  const std::string folder = ::testing::TempDir() + "selection_without_sessions";
-  std::filesystem::create_directories(folder);
-  for (const std::string& set : {folder, folder + "/missing"}) {
-    const Output run = RunSelectionCommand("--set " + set + " 2>&1");
-    EXPECT_EQ(run.exit_code, 1);
-    EXPECT_NE(run.out.find(set), std::string::npos) << run.out;
-    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1) << run.out;
+  const TemporaryFolder folder;
+  for (const std::string& set : {folder.path(), folder.File("missing")}) {
+    SCOPED_TRACE(set);
+    ExpectFailed(RunSelectionCommand("--set " + set), set);
   }
-  std::filesystem::remove_all(folder);
 }
 
 TEST(SelectionCommand, WhatMakesNoSenseIsRefused) {
-  EXPECT_EQ(RunSelectionCommand("--trials 0 2>&1").exit_code, 1);
-  EXPECT_EQ(RunSelectionCommand("--trials many 2>&1").exit_code, 2);
-  EXPECT_EQ(RunSelectionCommand("--methods magic 2>&1").exit_code, 2);
+  EXPECT_EQ(RunSelectionCommand("--trials 0").exit_code, 1);
+  EXPECT_EQ(RunSelectionCommand("--trials many").exit_code, 2);
+  EXPECT_EQ(RunSelectionCommand("--methods magic").exit_code, 2);
 }
 
 }  // namespace

@@ -4,23 +4,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/contract/store/store_fixture.h"
-#include "tests/support/process.h"
-#include "tests/support/wait_for.h"
+#include "tests/support/files.h"
+#include "tests/support/run_binary.h"
+#include "tests/support/server_process.h"
 
 namespace maploc::testing {
 
@@ -51,38 +47,18 @@ class RealDataTest : public ::testing::Test {
   // Runs one of the binaries with --json; a failure fails the test and gives null.
   // REQUIRES: no quotes in the arguments.
   json Run(const std::string& binary, const std::vector<std::string>& arguments) const {
-    std::string command = std::string(MAPLOC_BIN_DIR) + "/" + binary;
+    std::string command = binary;
     for (const std::string& argument : arguments) command += " '" + argument + "'";
-    command += " --json 2>'" + folder_.File("stderr") + "'";
-    FILE* pipe = popen(command.c_str(), "r");
-    std::string out;
-    std::array<char, 4096> buffer;
-    for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) {
-      out.append(buffer.data(), n);
-    }
-    const int exit_code = WEXITSTATUS(pclose(pipe));
-    EXPECT_EQ(exit_code, 0) << command << "\n" << Read("stderr");
-    return exit_code == 0 ? json::parse(out, nullptr, false) : json();
+    const Output run = RunBinary(command + " --json");
+    EXPECT_EQ(run.exit_code, 0) << command << "\n" << run.error;
+    return run.exit_code == 0 ? json::parse(run.out, nullptr, false) : json();
   }
 
   // From now on the store is served; the server before this one is ended first.
   void Serve(const std::string& store) {
-    StopServing();
-    server_ = std::make_unique<Process>(
-        std::vector<std::string>{std::string(MAPLOC_BIN_DIR) + "/maploc-server", "--store", store,
-                                 "--listen", "127.0.0.1:0", "--port-file", folder_.File("port")},
-        folder_.File("server-stderr"));
-    ASSERT_TRUE(WaitFor([&] { return std::filesystem::exists(folder_.File("port")); }))
-        << Read("server-stderr");
-    std::string port = Read("port");
-    port.pop_back();
-    address_ = "127.0.0.1:" + port;
-  }
-  void StopServing() {
-    if (server_ == nullptr) return;
-    server_->Signal(SIGTERM);
-    EXPECT_EQ(server_->Wait(), 0) << Read("server-stderr");
-    server_.reset();
+    server_.Stop();
+    address_ = server_.Start(store);
+    ASSERT_NE(address_, "");
   }
 
   json Replay(const std::string& map, const std::string& session,
@@ -126,11 +102,6 @@ class RealDataTest : public ::testing::Test {
     return sorted.size() % 2 == 1 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
   }
 
-  std::string Read(const std::string& name) const {
-    std::ifstream file(folder_.File(name));
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-
   const TemporaryFolder folder_;
 
  private:
@@ -140,7 +111,7 @@ class RealDataTest : public ::testing::Test {
   }
 
   std::filesystem::path data_;
-  std::unique_ptr<Process> server_;
+  ServerProcess server_{folder_};
   std::string address_;
 };
 

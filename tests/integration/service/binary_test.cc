@@ -3,7 +3,6 @@
 #include <atomic>
 #include <csignal>
 #include <cstring>
-#include <fstream>
 #include <thread>
 
 #include <fcntl.h>
@@ -15,31 +14,17 @@
 #include "tests/contract/store/store_fixture.h"
 #include "tests/support/process.h"
 #include "tests/support/seed.h"
+#include "tests/support/server_process.h"
 #include "tests/support/stored_world.h"
 #include "tests/support/wait_for.h"
 
 namespace maploc::testing {
 namespace {
 
-const std::string kBinary = std::string(MAPLOC_BIN_DIR) + "/maploc-server";
-
 class BinaryTest : public ::testing::Test {
  protected:
-  std::vector<std::string> Command() const {
-    return {kBinary,       "--store",     folder_.File("store"), "--listen",
-            "127.0.0.1:0", "--port-file", folder_.File("port")};
-  }
-  std::string Read(const std::string& name) const {
-    std::ifstream file(folder_.File(name));
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  std::string WaitForAddress() const {
-    EXPECT_TRUE(WaitFor([&] { return std::filesystem::exists(folder_.File("port")); }))
-        << Read("stderr");
-    std::string port = Read("port");
-    if (!port.empty()) port.pop_back();
-    return "127.0.0.1:" + port;
-  }
+  std::vector<std::string> Command() const { return ServerCommand(folder_, folder_.File("store")); }
+  std::string Read(const std::string& name) const { return folder_.Read(name); }
 
   const TemporaryFolder folder_;
 };
@@ -74,7 +59,7 @@ TEST_F(BinaryTest, ASignalInTheMiddleOfTheWorkLosesNothing) {
     ImportWorld(world, store.get());
   }
   Process server(Command(), folder_.File("stderr"));
-  const std::string address = WaitForAddress();
+  const std::string address = WaitForAddress(folder_);
   constexpr int kRobots = 3;
   std::atomic<int> answers = 0;
   std::vector<Robot> robots(kRobots);
@@ -99,7 +84,7 @@ TEST_F(BinaryTest, ASignalInTheMiddleOfTheWorkLosesNothing) {
 }
 
 TEST_F(BinaryTest, AStoreThatIsNotSqliteIsOneLineAndExitOne) {
-  std::ofstream(folder_.File("store")) << "not a store\n";
+  folder_.Write("store", "not a store\n");
   Process server(Command(), folder_.File("stderr"));
   EXPECT_EQ(server.Wait(), 1);
   const std::string said = Read("stderr");
@@ -111,7 +96,7 @@ TEST_F(BinaryTest, AStoreThatIsNotSqliteIsOneLineAndExitOne) {
 TEST_F(BinaryTest, ATruncatedStoreIsOneLineAndExitOne) {
   GiveMap(**OpenSqliteStore(folder_.File("store")));
   const std::string cut = Read("store").substr(0, 3 * 4096);
-  std::ofstream(folder_.File("store"), std::ios::binary) << cut;
+  folder_.Write("store", cut);
   Process server(Command(), folder_.File("stderr"));
   EXPECT_EQ(server.Wait(), 1);
   const std::string said = Read("stderr");
@@ -124,7 +109,7 @@ TEST_F(BinaryTest, ATruncatedStoreIsOneLineAndExitOne) {
 TEST_F(BinaryTest, AnInterruptOrAClosedTerminalIsACleanEndToo) {
   for (const int signal : {SIGINT, SIGHUP}) {
     Process server(Command(), folder_.File("stderr"));
-    WaitForAddress();
+    WaitForAddress(folder_);
     server.Signal(signal);
     EXPECT_EQ(server.Wait(), 0) << Read("stderr");
     EXPECT_FALSE(std::filesystem::exists(folder_.File("port")));
@@ -133,7 +118,7 @@ TEST_F(BinaryTest, AnInterruptOrAClosedTerminalIsACleanEndToo) {
 
 TEST_F(BinaryTest, TheSameCommandASecondTimeIsRefusedAndTouchesNothing) {
   Process server(Command(), folder_.File("stderr"));
-  const std::string address = WaitForAddress();
+  const std::string address = WaitForAddress(folder_);
 
   Process second(Command(), folder_.File("second"));
 
@@ -147,7 +132,7 @@ TEST_F(BinaryTest, UnderNohupItOutlivesTheTerminal) {
   const auto before = std::signal(SIGHUP, SIG_IGN);  // inherited, as nohup does it
   Process server(Command(), folder_.File("stderr"));
   std::signal(SIGHUP, before);
-  const std::string address = WaitForAddress();
+  const std::string address = WaitForAddress(folder_);
 
   server.Signal(SIGHUP);
   EXPECT_TRUE(Client(address).ListMaps().ok());
@@ -165,7 +150,7 @@ TEST_F(BinaryTest, ALogThatNobodyReadsAnyMoreDoesNotEndIt) {
   ASSERT_EQ(mkfifo(folder_.File("log").c_str(), 0600), 0);
   const int reader = open(folder_.File("log").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   Process server(Command(), folder_.File("log"));
-  const std::string address = WaitForAddress();
+  const std::string address = WaitForAddress(folder_);
   close(reader);
   // Each start of a session is a line of the log.
   const Client client(address);

@@ -1,5 +1,4 @@
 // Start and stop: port file, health, reflection, stores that cannot be served.
-#include <fstream>
 #include <future>
 #include <sstream>
 
@@ -64,15 +63,10 @@ class ByteStream {
   std::unique_ptr<grpc::GenericClientAsyncReaderWriter> stream_;
 };
 
-std::string Content(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 class LifecycleTest : public ServiceTest {};
 
 TEST_F(LifecycleTest, ThePortFileTellsThePortWhileItServes) {
-  EXPECT_EQ(Content(options_.port_file), std::to_string(server_->port()) + "\n");
+  EXPECT_EQ(ReadFile(options_.port_file), std::to_string(server_->port()) + "\n");
   ASSERT_TRUE(server_->Shutdown().ok());
   EXPECT_FALSE(std::filesystem::exists(options_.port_file));
 }
@@ -127,7 +121,7 @@ TEST_F(LifecycleTest, ASecondServerOnTheStoreIsRefused) {
 TEST_F(LifecycleTest, ALockThatMayNotBeOpenedIsNotAnotherServer) {
   const std::string store = folder_.File("another");
   const std::string file = store + "-server";
-  std::ofstream(file).close();
+  WriteFile(file, "");
   ASSERT_EQ(chmod(file.c_str(), 0), 0);
   constexpr uid_t kNobody = 65534;
   const int before = setfsuid(kNobody);  // of this thread; root may open everything
@@ -172,11 +166,11 @@ TEST_F(LifecycleTest, AMissingStoreIsMade) {
 TEST_F(LifecycleTest, AFileThatIsNoStoreIsRefusedAndLeftAlone) {
   ServerOptions wrong = options_;
   wrong.store = folder_.File("letter.txt");
-  std::ofstream(wrong.store) << "Dear robot, this is not a database.\n";
+  WriteFile(wrong.store, "Dear robot, this is not a database.\n");
   const Result<std::unique_ptr<Server>> server = Server::Start(wrong);
   ASSERT_FALSE(server.ok());
   EXPECT_NE(server.status().message().find(wrong.store), std::string::npos);
-  EXPECT_EQ(Content(wrong.store), "Dear robot, this is not a database.\n");
+  EXPECT_EQ(ReadFile(wrong.store), "Dear robot, this is not a database.\n");
 }
 
 TEST_F(LifecycleTest, APortFileThatCannotBeWrittenIsAnError) {

@@ -2,11 +2,10 @@
 #include "server/app/options.h"
 
 #include <cstdlib>
-#include <fstream>
 
 #include <gtest/gtest.h>
 
-#include "tests/contract/store/store_fixture.h"
+#include "tests/support/files.h"
 
 namespace maploc::testing {
 namespace {
@@ -20,7 +19,7 @@ class OptionsTest : public ::testing::Test {
     return ParseCommandLine(static_cast<int>(arguments.size()), arguments.data());
   }
   std::string Config(const std::string& text) const {
-    std::ofstream(folder_.File("config.toml")) << text;
+    folder_.Write("config.toml", text);
     return folder_.File("config.toml");
   }
 

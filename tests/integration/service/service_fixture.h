@@ -11,7 +11,7 @@
 #include "client/api/client.h"
 #include "mapstore/store/sqlite_store.h"
 #include "server/app/server.h"
-#include "tests/contract/store/store_fixture.h"
+#include "tests/support/files.h"
 #include "tests/support/seed.h"
 #include "tests/support/stored_world.h"
 

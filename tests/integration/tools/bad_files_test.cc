@@ -2,21 +2,13 @@
 // in it, and a store that is as it was, byte by byte.
 #include <filesystem>
 
+#include "tests/contract/store/store_fixture.h"
 #include "tests/integration/tools/facade_model.h"
-#include "tests/integration/tools/run_maploc_map.h"
+#include "tests/support/run_binary.h"
 #include "tests/support/seed.h"
 
 namespace maploc::testing {
 namespace {
-
-std::string ReadBytes(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void WriteBytes(const std::string& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
 
 class BadFiles : public ::testing::Test {
  protected:
@@ -29,26 +21,26 @@ class BadFiles : public ::testing::Test {
     EXPECT_TRUE(WriteColmapDatabase(database_, facade.model, facade.features).ok());
     GiveMap(**OpenSqliteStore(store_));
   }
-  Output Run(const std::string& arguments) { return RunMaplocMap(arguments, folder_); }
+  Output Run(const std::string& arguments) { return RunBinary("maploc-map " + arguments); }
   Output Import(const std::string& model) {
     return Run("import-colmap --map facade --gravity 0,0,-1 --scale 1 --store " + store_ +
                " --model " + model + " --database " + database_);
   }
   void ExpectImportRefused(const std::string& model, const std::string& cause) {
-    const std::string before = ReadBytes(store_);
+    const std::string before = ReadFile(store_);
     ExpectFailed(Import(model), cause);
-    EXPECT_TRUE(ReadBytes(store_) == before);
+    EXPECT_TRUE(ReadFile(store_) == before);
     EXPECT_FALSE(std::filesystem::exists(store_ + "-wal"));
   }
   // Every command that opens a store, the one that writes included.
   void ExpectStoreRefused(const std::string& cause) {
-    const std::string before = ReadBytes(store_);
+    const std::string before = ReadFile(store_);
     for (const std::string command :
          {"list", "verify", "strategy --map yard --segment 0 --pin 2p"}) {
       ExpectFailed(Run(command + " --store " + store_), store_ + cause);
     }
     ExpectFailed(Import(binary_), store_ + cause);
-    EXPECT_TRUE(ReadBytes(store_) == before);
+    EXPECT_TRUE(ReadFile(store_) == before);
   }
 
   const TemporaryFolder folder_;
@@ -70,19 +62,19 @@ TEST_F(BadFiles, WholeOnesAreTaken) {
 TEST_F(BadFiles, ATruncatedBinaryModelIsNamedWithItsByte) {
   for (const std::string part : {"cameras.bin", "images.bin", "points3D.bin"}) {
     const std::string path = binary_ + "/" + part;
-    const std::string whole = ReadBytes(path);
+    const std::string whole = ReadFile(path);
     for (const std::size_t size : {std::size_t{0}, whole.size() / 2, whole.size() - 1}) {
-      WriteBytes(path, whole.substr(0, size));
+      WriteFile(path, whole.substr(0, size));
       ExpectImportRefused(binary_, path + ": byte ");
     }
-    WriteBytes(path, whole);
+    WriteFile(path, whole);
   }
 }
 
 TEST_F(BadFiles, ATruncatedDatabaseIsNamed) {
-  const std::string whole = ReadBytes(database_);
+  const std::string whole = ReadFile(database_);
   for (const std::size_t size : {std::size_t{0}, whole.size() / 2, whole.size() - 4096}) {
-    WriteBytes(database_, whole.substr(0, size));
+    WriteFile(database_, whole.substr(0, size));
     ExpectImportRefused(binary_, database_ + ": is ");
   }
 }
@@ -90,26 +82,26 @@ TEST_F(BadFiles, ATruncatedDatabaseIsNamed) {
 TEST_F(BadFiles, ABrokenLineOfATextModelIsNamedWithItsNumber) {
   for (const std::string part : {"cameras.txt", "images.txt", "points3D.txt"}) {
     const std::string path = text_ + "/" + part;
-    const std::string whole = ReadBytes(path);
-    WriteBytes(path, whole + "9 what is this\n");
+    const std::string whole = ReadFile(path);
+    WriteFile(path, whole + "9 what is this\n");
     const auto lines = std::count(whole.begin(), whole.end(), '\n');
     ExpectImportRefused(text_, path + ":" + std::to_string(lines + 1) + ": ");
-    WriteBytes(path, whole);
+    WriteFile(path, whole);
   }
 }
 
 TEST_F(BadFiles, AStoreThatIsNotSqliteIsRefused) {
-  WriteBytes(store_, "# notes\nbuy milk\n");
+  WriteFile(store_, "# notes\nbuy milk\n");
   ExpectStoreRefused(": is not a maploc store");
 }
 
 TEST_F(BadFiles, AnotherApplicationsDatabaseIsNoStore) {
-  WriteBytes(store_, ReadBytes(database_));
+  WriteFile(store_, ReadFile(database_));
   ExpectStoreRefused(": is not a maploc store");
 }
 
 TEST_F(BadFiles, ATruncatedStoreIsRefused) {
-  WriteBytes(store_, ReadBytes(store_).substr(0, 3 * 4096));
+  WriteFile(store_, ReadFile(store_).substr(0, 3 * 4096));
   ExpectStoreRefused(": the store is truncated or damaged");
 }
 

@@ -1,12 +1,9 @@
 // Runs the binary itself: exit codes, JSON keys and where its words go (interface.md).
-#include <fstream>
-#include <iterator>
-
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/contract/store/store_fixture.h"
-#include "tests/integration/tools/run_maploc_map.h"
+#include "tests/support/run_binary.h"
 
 namespace maploc::testing {
 namespace {
@@ -34,7 +31,7 @@ class MaplocMap : public ::testing::Test {
     if (const auto at = arguments.find("$STORE"); at != std::string::npos) {
       arguments.replace(at, 6, store_);
     }
-    return RunMaplocMap(arguments, folder_);
+    return RunBinary("maploc-map " + arguments);
   }
   json Json(const std::string& arguments) {
     const Output run = Map(arguments + " --json");
@@ -57,7 +54,7 @@ TEST_F(MaplocMap, EveryCommandHelpsWithAnExample) {
   for (const std::string command : {"list", "segments", "stats", "strategy", "explain", "sessions",
                                     "revoke", "robots", "verify", "backup", "plot"}) {
     const Output run = Map(command + " --help");
-    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_EQ(run.exit_code, 0) << command << ": " << run.error;
     EXPECT_THAT(run.out, HasSubstr("maploc-map " + command + " --store")) << command;
     EXPECT_EQ(run.error, "");
   }
@@ -73,8 +70,8 @@ TEST_F(MaplocMap, WrongUsageIsTwo) {
         "revoke --store $STORE", "list --store"}) {
     const Output run = Map(wrong);
     EXPECT_EQ(run.exit_code, 2) << wrong;
-    EXPECT_EQ(run.out, "");
-    EXPECT_NE(run.error, "");
+    EXPECT_EQ(run.out, "") << wrong;
+    EXPECT_NE(run.error, "") << wrong;
   }
 }
 
@@ -83,7 +80,7 @@ TEST_F(MaplocMap, AFailureIsOneWithItsCause) {
   ExpectFails("list --store " + none, "none.db: there is no such store");
   EXPECT_FALSE(std::filesystem::exists(none));
   const std::string text = folder_.File("notes.txt");
-  std::ofstream(text) << "not a database";
+  WriteFile(text, "not a database");
   ExpectFails("verify --store " + text, "notes.txt: is not a maploc store");
   ExpectFails("segments --store $STORE --map nowhere", "map 'nowhere' does not exist");
   for (const std::string command : {"stats", "robots"}) {
@@ -324,9 +321,7 @@ TEST_F(MaplocMapSeason, PlotsTellStrategyRatioAndChange) {
     const std::string out = folder_.File(colour + ".svg");
     EXPECT_EQ(Json("plot --store $STORE --map yard --colour " + colour + " --out " + out).at("out"),
               out);
-    std::ifstream file(out);
-    const std::string svg{std::istreambuf_iterator<char>(file), {}};
-    EXPECT_THAT(svg, HasSubstr("segments by"));
+    EXPECT_THAT(ReadFile(out), HasSubstr("segments by"));
   }
   EXPECT_EQ(Map("plot --store $STORE --map yard --out x.svg --colour mood").exit_code, 2);
 }
@@ -342,8 +337,7 @@ TEST_F(MaplocMap, ABackupIsAStore) {
 TEST_F(MaplocMap, APlotIsAPicture) {
   const std::string out = folder_.File("plan.svg");
   EXPECT_EQ(Json("plot --store $STORE --map yard --out " + out).at("out"), out);
-  std::ifstream file(out);
-  const std::string svg{std::istreambuf_iterator<char>(file), {}};
+  const std::string svg = ReadFile(out);
   EXPECT_THAT(svg, HasSubstr("<svg"));
   EXPECT_THAT(svg, HasSubstr("</svg>"));
 }
@@ -353,8 +347,8 @@ TEST_F(MaplocMap, TablesAreForPeople) {
        {"list", "segments --map yard", "stats --map yard", "sessions", "verify",
         "explain --map yard --segment 1", "strategy --map yard --segment 1"}) {
     const Output run = Map(command + " --store $STORE");
-    EXPECT_EQ(run.exit_code, 0);
-    EXPECT_NE(run.out, "");
+    EXPECT_EQ(run.exit_code, 0) << command << ": " << run.error;
+    EXPECT_NE(run.out, "") << command;
     EXPECT_TRUE(json::parse(run.out, nullptr, false).is_discarded()) << command;
     EXPECT_EQ(run.error, "");
   }

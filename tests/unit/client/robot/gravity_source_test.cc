@@ -1,13 +1,12 @@
 #include "client/robot/gravity_source.h"
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "mapstore/geometry/gravity.h"
+#include "tests/support/files.h"
 #include "tests/support/seed.h"
 
 namespace maploc {
@@ -78,10 +77,10 @@ TEST(GravitySourceTest, SigmaSentIsTheNoiseUnlessSaidOtherwise) {
 }
 
 TEST(GravitySourceTest, ACsvIsTakenAsItIsWithASigmaOfOneDegree) {
-  const std::string path = ::testing::TempDir() + "gravity_source_test.csv";
-  std::ofstream(path) << "name,gx,gy,gz\na.png,0,0.6,0.8\n";
+  const testing::TemporaryFolder folder;
+  folder.Write("gravity.csv", "name,gx,gy,gz\na.png,0,0.6,0.8\n");
   GravityOptions options;
-  options.csv = path;
+  options.csv = folder.File("gravity.csv");
   const Result<GravitySource> source = GravitySource::Create(options);
   ASSERT_TRUE(source.ok()) << source.status().ToString();
   const Result<Gravity> gravity = source->For("a.png", Rigid3{});
@@ -89,7 +88,6 @@ TEST(GravitySourceTest, ACsvIsTakenAsItIsWithASigmaOfOneDegree) {
   EXPECT_LT((gravity->direction_in_body - Eigen::Vector3d(0, 0.6, 0.8)).norm(), 1e-12);
   EXPECT_NEAR(gravity->sigma_rad, kRadPerDeg, 1e-12);
   EXPECT_EQ(source->For("b.png", Rigid3{}).status().reason(), "NO_GRAVITY");
-  std::filesystem::remove(path);
 }
 
 TEST(GravitySourceTest, RefusesAnglesThatMakeNoSense) {

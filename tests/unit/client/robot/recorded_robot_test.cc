@@ -1,43 +1,36 @@
 #include "client/robot/recorded_robot.h"
 
-#include <filesystem>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "client/robot/metrics.h"
 #include "mapstore/formats/colmap_writer.h"
+#include "tests/support/files.h"
 
 namespace maploc {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 // Two images of one camera, "b" written before "a", with two keypoints of 32 binary bytes each.
 class RecordedRobotTest : public ::testing::Test {
  protected:
-  RecordedRobotTest()
-      : dir_(fs::path(::testing::TempDir()) /
-             ("recorded_" +
-              std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()))) {
-    fs::remove_all(dir_);
+  RecordedRobotTest() {
     model_.cameras.emplace(1, *Camera::Create(CameraModel::kPinhole, 64, 48, {50, 50, 32, 24}));
     AddImage(1, "b", {0, 0, 4});
     AddImage(2, "a", {0, 0, 8});
     model_.points.emplace(5, ColmapPoint{5, {0, 0, 2}, 0.1, {{2, 0}}});
     model_.images.at(2).keypoints_px = {{32, 24}};
     model_.images.at(2).point_ids = {5};
-    EXPECT_TRUE(WriteColmapModel(dir_, model_).ok());
-    EXPECT_TRUE(WriteColmapDatabase(dir_ / "database.db", model_,
+    EXPECT_TRUE(WriteColmapModel(folder_.path(), model_).ok());
+    EXPECT_TRUE(WriteColmapDatabase(folder_.File("database.db"), model_,
                                     {{"a", Features(32)}, {"b", Features(32)}})
                     .ok());
     map_.key = {"yard", 1};
     map_.point_descriptor = *DescriptorKindFromName("binary32");
-    options_.model_dir = dir_;
-    options_.database = dir_ / "database.db";
+    options_.model_dir = folder_.path();
+    options_.database = folder_.File("database.db");
   }
-  ~RecordedRobotTest() override { fs::remove_all(dir_); }
 
   void AddImage(std::int64_t id, const std::string& name, const Eigen::Vector3d& translation) {
     ColmapImage image;
@@ -60,7 +53,7 @@ class RecordedRobotTest : public ::testing::Test {
     return *std::move(robot);
   }
 
-  fs::path dir_;
+  testing::TemporaryFolder folder_;
   ColmapModel model_;
   MapInfo map_;
   RecordingOptions options_;
@@ -118,13 +111,13 @@ TEST_F(RecordedRobotTest, SendsNoPointsToAMapWithoutPoints) {
 }
 
 TEST_F(RecordedRobotTest, NamesTheImageThatTheDatabaseLacks) {
-  ASSERT_TRUE(WriteColmapDatabase(dir_ / "database.db", model_, {{"a", Features(32)}}).ok());
+  ASSERT_TRUE(WriteColmapDatabase(folder_.File("database.db"), model_, {{"a", Features(32)}}).ok());
   const Result<RecordedRobot> robot = RecordedRobot::Open(options_, map_);
   // The image is known to the database, but without features: nothing to send, and no fault.
   ASSERT_TRUE(robot.ok());
   EXPECT_TRUE(robot->MakeQuery(1)->views[0].points.keypoints_px.empty());
   model_.images.erase(1);
-  ASSERT_TRUE(WriteColmapDatabase(dir_ / "database.db", model_, {{"a", Features(32)}}).ok());
+  ASSERT_TRUE(WriteColmapDatabase(folder_.File("database.db"), model_, {{"a", Features(32)}}).ok());
   EXPECT_THAT(RecordedRobot::Open(options_, map_).status().message(), HasSubstr("image 'b'"));
 }
 
@@ -135,7 +128,7 @@ TEST_F(RecordedRobotTest, NeedsFeaturesFromSomewhere) {
 
 TEST_F(RecordedRobotTest, NamesThePhotoThatIsMissing) {
   options_.database.clear();
-  options_.images = dir_ / "photos";
+  options_.images = folder_.File("photos");
   map_.point_descriptor = *DescriptorKindFromName("orb");
   EXPECT_THAT(Open().MakeQuery(0).status().message(), HasSubstr("photos/a"));
 }

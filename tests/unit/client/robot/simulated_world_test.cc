@@ -1,7 +1,6 @@
 #include "client/robot/simulated_world.h"
 
 #include <bit>
-#include <filesystem>
 
 #include <gtest/gtest.h>
 
@@ -10,6 +9,7 @@
 #include "mapstore/formats/colmap.h"
 #include "mapstore/formats/line_tracks.h"
 #include "mapstore/geometry/gravity.h"
+#include "tests/support/files.h"
 #include "tests/support/seed.h"
 
 namespace maploc {
@@ -179,7 +179,8 @@ TEST(SimulatedRobotTest, SendsNoLinesToAMapWithoutLines) {
 }
 
 TEST(SimulatedMapTest, WhatItWritesTheImportersReadersRead) {
-  const std::string directory = ::testing::TempDir() + "simulated_map";
+  const testing::TemporaryFolder folder;
+  const std::string& directory = folder.path();
   const World world = MakeCampus({.stretches = 2, .stretch_length_m = 30.0, .seed = 3});
   const Result<MappingSummary> summary = WriteMappingDrive(world, {}, directory);
   ASSERT_TRUE(summary.ok()) << summary.status().ToString();
@@ -207,7 +208,6 @@ TEST(SimulatedMapTest, WhatItWritesTheImportersReadersRead) {
   for (const LineTrack& track : lines->tracks) {
     for (const std::int64_t image : track.image_ids) EXPECT_TRUE(model->images.contains(image));
   }
-  std::filesystem::remove_all(directory);
 }
 
 }  // namespace

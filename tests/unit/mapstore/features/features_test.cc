@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <thread>
 #include <vector>
@@ -10,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/files.h"
 #include "tests/support/seed.h"
 
 namespace maploc {
@@ -187,14 +187,15 @@ TEST(DetectTest, TheSameFromEveryThread) {
 }
 
 TEST(LoadGrayImageTest, ReadsPixelsAndNamesABadFile) {
-  const std::string path = ::testing::TempDir() + "maploc_load.pgm";
-  std::ofstream(path, std::ios::binary) << "P5 3 2 255\nabcdef";
+  const testing::TemporaryFolder folder;
+  const std::string path = folder.File("load.pgm");
+  folder.Write("load.pgm", "P5 3 2 255\nabcdef");
   const Result<GrayImage> image = LoadGrayImage(path);
   ASSERT_TRUE(image.ok()) << image.status().ToString();
   EXPECT_EQ(image->width_px, 3);
   EXPECT_EQ(image->height_px, 2);
   EXPECT_EQ(std::string(image->pixels.begin(), image->pixels.end()), "abcdef");
-  std::ofstream(path, std::ios::binary) << "no picture";
+  folder.Write("load.pgm", "no picture");
   EXPECT_THAT(LoadGrayImage(path).status().message(), HasSubstr(path));
   std::remove(path.c_str());
   EXPECT_THAT(LoadGrayImage(path).status().message(), HasSubstr(path));

@@ -3,7 +3,7 @@
 
 #include "mapstore/formats/colmap.h"
 #include "mapstore/formats/euroc.h"
-#include "tests/unit/mapstore/formats/scratch_folder.h"
+#include "tests/support/files.h"
 
 namespace maploc {
 namespace {
@@ -20,7 +20,7 @@ class GravityCsvTest : public ::testing::Test {
     const auto gravity = Read(text);
     return gravity.ok() ? "read" : gravity.status().message();
   }
-  testing::ScratchFolder folder_;
+  testing::TemporaryFolder folder_;
 };
 
 TEST_F(GravityCsvTest, ReadsUnitVectorsByName) {
@@ -68,7 +68,7 @@ class EurocTest : public ::testing::Test {
     const Result<Camera> camera = Read(text);
     return camera.ok() ? "read" : camera.status().message();
   }
-  testing::ScratchFolder folder_;
+  testing::TemporaryFolder folder_;
 };
 
 TEST_F(EurocTest, ReadsTheDataSetsOwnCalibration) {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "mapstore/formats/colmap.h"
+#include "tests/support/files.h"
 #include "tests/support/seed.h"
-#include "tests/unit/mapstore/formats/scratch_folder.h"
 
 namespace maploc {
 namespace {
@@ -52,7 +52,7 @@ class ColmapBinaryTest : public ::testing::Test {
     return model.status().message();
   }
 
-  testing::ScratchFolder folder_;
+  testing::TemporaryFolder folder_;
 };
 
 TEST_F(ColmapBinaryTest, ReadsWhatColmapWrites) {

@@ -6,8 +6,8 @@
 #include <sqlite3.h>
 
 #include "mapstore/formats/colmap.h"
+#include "tests/support/files.h"
 #include "tests/support/seed.h"
-#include "tests/unit/mapstore/formats/scratch_folder.h"
 
 namespace maploc {
 namespace {
@@ -64,7 +64,7 @@ class ColmapDatabaseTest : public ::testing::Test {
     return database.status().message();
   }
 
-  testing::ScratchFolder folder_;
+  testing::TemporaryFolder folder_;
   std::string path_;
 };
 

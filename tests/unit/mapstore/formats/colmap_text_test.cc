@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "mapstore/formats/colmap.h"
-#include "tests/unit/mapstore/formats/scratch_folder.h"
+#include "tests/support/files.h"
 
 namespace maploc {
 namespace {
@@ -54,7 +54,7 @@ class ColmapTextTest : public ::testing::Test {
     return Error("points3D.txt:1", kCameras, kImages, line + "\n");
   }
 
-  testing::ScratchFolder folder_;
+  testing::TemporaryFolder folder_;
 };
 
 TEST_F(ColmapTextTest, ReadsCamerasImagesAndPointsInOurPixels) {

@@ -1,21 +1,15 @@
 #include "mapstore/formats/colmap_writer.h"
 
-#include <filesystem>
-
 #include <gtest/gtest.h>
+
+#include "tests/support/files.h"
 
 namespace maploc {
 namespace {
 
-namespace fs = std::filesystem;
-
 class ColmapWriterTest : public ::testing::Test {
  protected:
-  ColmapWriterTest()
-      : dir_(fs::path(::testing::TempDir()) /
-             ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::remove_all(dir_);
-    fs::create_directories(dir_);
+  ColmapWriterTest() {
     model_.cameras.emplace(
         3, *Camera::Create(CameraModel::kRadial, 640, 480, {500, 320.25, 240, 0.1, -0.01}));
     ColmapImage image;
@@ -28,15 +22,14 @@ class ColmapWriterTest : public ::testing::Test {
     model_.images.emplace(7, image);
     model_.points.emplace(11, ColmapPoint{11, {0.1, 1.0 / 3.0, -5}, 0.25, {{7, 1}}});
   }
-  ~ColmapWriterTest() override { fs::remove_all(dir_); }
 
-  fs::path dir_;
+  testing::TemporaryFolder folder_;
   ColmapModel model_;
 };
 
 TEST_F(ColmapWriterTest, AModelComesBackAsItWas) {
-  ASSERT_TRUE(WriteColmapModel(dir_, model_).ok());
-  const Result<ColmapModel> read = ReadColmapModel(dir_);
+  ASSERT_TRUE(WriteColmapModel(folder_.path(), model_).ok());
+  const Result<ColmapModel> read = ReadColmapModel(folder_.path());
   ASSERT_TRUE(read.ok()) << read.status().ToString();
   EXPECT_EQ(read->cameras.at(3).params(), model_.cameras.at(3).params());
   const ColmapImage& image = read->images.at(7);
@@ -55,7 +48,7 @@ TEST_F(ColmapWriterTest, ADatabaseComesBackAsItWasAndReplacesAnOlder) {
   points.keypoints_px = {{0, 0}, {12.5f, 470.125f}};
   points.descriptors.kind = *DescriptorKindFromName("binary3");
   points.descriptors.bytes = {1, 2, 3, 4, 5, 6};
-  const std::string path = dir_ / "database.db";
+  const std::string path = folder_.File("database.db");
   for (int repetition = 0; repetition < 2; ++repetition) {
     ASSERT_TRUE(WriteColmapDatabase(path, model_, {{"a/b c.png", points}}).ok());
   }
@@ -68,7 +61,7 @@ TEST_F(ColmapWriterTest, ADatabaseComesBackAsItWasAndReplacesAnOlder) {
 }
 
 TEST_F(ColmapWriterTest, APlaceThatCannotBeWrittenIsAnError) {
-  const std::string missing = dir_ / "no" / "such" / "database.db";
+  const std::string missing = folder_.File("no/such/database.db");
   EXPECT_EQ(WriteColmapDatabase(missing, model_, {}).reason(), "WRITE_FAILED");
 }
 

@@ -1,10 +1,9 @@
 #include "mapstore/formats/line_tracks.h"
 
-#include <filesystem>
-#include <fstream>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tests/support/files.h"
 
 namespace maploc {
 namespace {
@@ -14,13 +13,8 @@ using ::testing::HasSubstr;
 
 class LineTracksTest : public ::testing::Test {
  protected:
-  LineTracksTest()
-      : path_(::testing::TempDir() + "line_tracks_" +
-              ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".txt") {}
-  ~LineTracksTest() override { std::filesystem::remove(path_); }
-
   Result<LineTracks> Read(const std::string& text) {
-    std::ofstream(path_) << text;
+    testing::WriteFile(path_, text);
     return ReadLineTracks(path_);
   }
   // The error of a file whose second line is `record`; it must name that line.
@@ -32,7 +26,8 @@ class LineTracksTest : public ::testing::Test {
     return tracks.status().message();
   }
 
-  std::string path_;
+  testing::TemporaryFolder folder_;
+  std::string path_ = folder_.File("lines.txt");
 };
 
 TEST_F(LineTracksTest, ReadsGeometryTracksAndDescriptors) {

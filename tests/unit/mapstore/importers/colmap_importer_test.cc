@@ -1,7 +1,5 @@
 #include "mapstore/importers/colmap_importer.h"
 
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -10,6 +8,7 @@
 #include "mapstore/formats/colmap_writer.h"
 #include "mapstore/importers/point_geometry.h"
 #include "mapstore/store/in_memory_store.h"
+#include "tests/support/files.h"
 #include "tests/support/seed.h"
 #include "tests/unit/mapstore/importers/drawn_scene.h"
 
@@ -22,11 +21,7 @@ using ::testing::HasSubstr;
 // unit.
 class ColmapImporterTest : public ::testing::Test {
  protected:
-  ColmapImporterTest()
-      : folder_(::testing::TempDir() + "maploc_importer_" +
-                ::testing::UnitTest::GetInstance()->current_test_info()->name()),
-        store_(NewInMemoryStore()) {
-    std::filesystem::create_directories(folder_);
+  ColmapImporterTest() : store_(NewInMemoryStore()) {
     Random random = testing::TestRandom();
     const testing::DrawnScene scene = testing::MakeScene(random, 10, 0);
     for (const KeyFrame& frame : scene.frames) {
@@ -38,13 +33,12 @@ class ColmapImporterTest : public ::testing::Test {
     for (int i = 0; i < 60; ++i)
       AddPoint(scene, i, {0.15 * i - 1, random.Uniform(-1, 1), random.Uniform(0, 3)});
     options_.map_name = "yard";
-    options_.model_directory = folder_ + "/model";
-    options_.database_path = folder_ + "/database.db";
+    options_.model_directory = folder_.File("model");
+    options_.database_path = folder_.File("database.db");
     options_.gravity_in_source = source_from_map_.rotation * Eigen::Vector3d(0, 0, -3);
     options_.meters_per_unit = 0.5;
     WriteFiles();
   }
-  ~ColmapImporterTest() override { std::filesystem::remove_all(folder_); }
 
   void AddPoint(const testing::DrawnScene& scene, int id, const Eigen::Vector3d& in_map) {
     ColmapPoint point{id, source_from_map_ * in_map, 0.1, {}};
@@ -84,7 +78,7 @@ class ColmapImporterTest : public ::testing::Test {
       2.0,
       Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized())),
       {10, -20, 5}};
-  std::string folder_;
+  testing::TemporaryFolder folder_;
   std::unique_ptr<MapStore> store_;
   ColmapModel model_;
   std::map<std::string, PointFeatures> features_;
@@ -166,12 +160,12 @@ TEST_F(ColmapImporterTest, WhatMakesNoSenseIsRefusedAndLeavesNothing) {
   options_.triangulate = true;
   EXPECT_THAT(Error(), HasSubstr("--images"));
   options_.triangulate = false;
-  options_.line_file = folder_ + "/absent.txt";
+  options_.line_file = folder_.File("absent.txt");
   EXPECT_THAT(Error(), HasSubstr("absent.txt"));
   options_.line_file.clear();
   options_.database_path.clear();
   EXPECT_THAT(Error(), HasSubstr("--database"));
-  options_.images_directory = folder_;
+  options_.images_directory = folder_.path();
   EXPECT_THAT(Error(), HasSubstr("img0.jpg"));
 }
 

@@ -1,8 +1,6 @@
 // A store on disk, and ways to look at it and to harm it behind its back.
 #pragma once
 
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <string>
 
@@ -11,17 +9,9 @@
 #include "mapstore/store/schema.h"
 #include "mapstore/store/sqlite_database.h"
 #include "tests/contract/store/store_fixture.h"
+#include "tests/support/files.h"
 
 namespace maploc::testing {
-
-inline std::string ReadBytes(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-inline void WriteBytes(const std::string& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
 
 class SqliteStoreTest : public ::testing::Test {
  protected:
@@ -45,11 +35,11 @@ class SqliteStoreTest : public ::testing::Test {
   }
   // Opening fails, names the file, and leaves its bytes and its folder as they were.
   Status ExpectRefused() {
-    const std::string before = ReadBytes(path_);
+    const std::string before = ReadFile(path_);
     const auto store = OpenSqliteStore(path_);
     EXPECT_FALSE(store.ok());
     EXPECT_THAT(store.status().message(), ::testing::HasSubstr(path_));
-    EXPECT_EQ(ReadBytes(path_), before);
+    EXPECT_EQ(ReadFile(path_), before);
     EXPECT_FALSE(std::filesystem::exists(path_ + "-wal"));
     return store.status();
   }

@@ -17,9 +17,9 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST_F(SqliteStoreTest, AFileThatIsNotADatabaseIsRefused) {
-  WriteBytes(path_, std::string(5000, 'x'));
+  WriteFile(path_, std::string(5000, 'x'));
   EXPECT_EQ(ExpectRefused().reason(), "INVALID_FILE");
-  WriteBytes(path_, "short");
+  WriteFile(path_, "short");
   EXPECT_EQ(ExpectRefused().reason(), "INVALID_FILE");
 }
 
@@ -48,7 +48,7 @@ TEST_F(SqliteStoreTest, AFolderOrAMissingFileIsRefused) {
 }
 
 TEST_F(SqliteStoreTest, AnEmptyFileBecomesAStore) {
-  WriteBytes(path_, "");
+  WriteFile(path_, "");
   SqliteStoreOptions reading;
   reading.create = false;
   EXPECT_FALSE(OpenSqliteStore(path_, reading).ok());
@@ -68,10 +68,10 @@ TEST_F(SqliteStoreTest, NamesThatSqliteTakesForSomethingElseAreFilesOrRefused) {
 
 TEST_F(SqliteStoreTest, ATruncatedStoreIsSaidToBe) {
   GiveMap(*Open());
-  const std::string whole = ReadBytes(path_);
+  const std::string whole = ReadFile(path_);
   ASSERT_GT(whole.size(), 20000u);
   for (const std::size_t size : {std::size_t{150}, whole.size() / 3, whole.size() - 4096}) {
-    WriteBytes(path_, whole.substr(0, size));
+    WriteFile(path_, whole.substr(0, size));
     const auto store = OpenSqliteStore(path_);
     const Status status = store.ok() ? (*store)->Verify() : store.status();
     EXPECT_EQ(status.code(), StatusCode::kDataLoss) << size << ": " << status.ToString();
