@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "mapstore/statistics/text.h"
 #include "mapstore/tools/output.h"
 
 namespace maploc {
@@ -25,6 +26,7 @@ nlohmann::ordered_json ToJson(const std::vector<ChangePoint>& changes) {
     json.push_back({{"kind", ChangeKindName(change.kind)},
                     {"since_session", change.since},
                     {"since_unix_ns", change.since_unix_ns},
+                    {"since", UtcText(change.since_unix_ns)},
                     {"sessions", change.sessions},
                     {"before", change.before},
                     {"after", change.after},
@@ -43,8 +45,8 @@ void PrintDeclines(const std::vector<Decline>& declines) {
   for (const Decline& decline : declines) {
     const ChangePoint& change = decline.change;
     table.AddRow({std::to_string(decline.segment), std::string(ChangeKindName(change.kind)),
-                  FormatNumber(change.before, 3), FormatNumber(change.after, 3),
-                  FormatTime(change.since_unix_ns), change.since, std::to_string(change.sessions)});
+                  FixedText(change.before, 3), FixedText(change.after, 3),
+                  UtcText(change.since_unix_ns), change.since, std::to_string(change.sessions)});
   }
   table.Print(std::cout);
 }

@@ -25,7 +25,7 @@ struct Decline {
 // Changes for the worse, the greatest loss first.
 std::vector<Decline> RankDeclines(const std::vector<SegmentChanges>& segments);
 
-// [{"kind", "since_session", "since_unix_ns", "sessions", "before", "after", "deviation"}]
+// [{"kind", "since_session", "since_unix_ns", "since", "sessions", "before", "after", "deviation"}]
 nlohmann::ordered_json ToJson(const std::vector<ChangePoint>& changes);
 
 // The ranked list as a table, or that nothing fell.

@@ -1,11 +1,11 @@
-#include "mapstore/statistics/explain.h"
-
 #include <cmath>
 #include <iostream>
 
 #include "mapstore/statistics/text.h"
 #include "mapstore/tools/commands.h"
+#include "mapstore/tools/decline.h"
 #include "mapstore/tools/output.h"
+#include "mapstore/tools/readings.h"
 
 namespace maploc {
 namespace {
@@ -60,20 +60,6 @@ Json SwitchesToJson(const Explanation& e) {
   return switches;
 }
 
-Json ChangesToJson(const Explanation& e) {
-  Json changes = Json::array();
-  for (const ChangePoint& change : e.changes) {
-    changes.push_back({{"kind", ChangeKindName(change.kind)},
-                       {"since_session", change.since},
-                       {"since", UtcText(change.since_unix_ns)},
-                       {"sessions", change.sessions},
-                       {"before", change.before},
-                       {"after", change.after},
-                       {"deviation", change.deviation}});
-  }
-  return changes;
-}
-
 Json HistoryToJson(const std::vector<DecisionRecord>& history) {
   Json decisions = Json::array();
   for (const DecisionRecord& record : history) {
@@ -95,13 +81,13 @@ Json RankingToJson(const std::array<Strategy, 3>& ranking) {
   return names;
 }
 
-Json ToJson(const MapKey& key, SegmentId segment, const Explanation& e,
-            const std::vector<DecisionRecord>& history) {
+Json ToJson(const ExplainedSegment& explained) {
+  const Explanation& e = explained.explanation;
   const SelectorOptions& options = e.options;
   return {
-      {"map", key.name},
-      {"version", key.version},
-      {"segment", segment},
+      {"map", explained.map.name},
+      {"version", explained.map.version},
+      {"segment", explained.segment},
       {"strategy", StrategyName(e.decision.strategy)},
       {"strategy_source", StrategySourceName(e.decision.source)},
       {"ranking", RankingToJson(e.decision.ranking)},
@@ -133,9 +119,9 @@ Json ToJson(const MapKey& key, SegmentId segment, const Explanation& e,
         {"best", StrategyName(e.best)},
         {"gain_of_best", e.gain_of_best},
         {"hysteresis", options.hysteresis}}},
-      {"changes", ChangesToJson(e)},
+      {"changes", ToJson(e.changes)},
       {"switches", SwitchesToJson(e)},
-      {"decisions", HistoryToJson(history)}};
+      {"decisions", HistoryToJson(explained.history)}};
 }
 
 void PrintHistory(const std::vector<DecisionRecord>& history) {
@@ -151,20 +137,12 @@ void PrintHistory(const std::vector<DecisionRecord>& history) {
 
 Status Explain(const CommandContext& context, const ExplainFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
-  MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, store->GetMap(flags.map));
-  const MapKey& key = map.info.key;
-  MAPLOC_ASSIGN_OR_RETURN(const SegmentSummary segment, store->GetSegment(key, flags.segment));
-  MAPLOC_ASSIGN_OR_RETURN(const auto rows, store->ListRows(key, flags.segment));
-  MAPLOC_ASSIGN_OR_RETURN(const auto history, store->ListDecisions(key, flags.segment));
-  const Explanation explanation = ExplainStrategy(rows, segment.decision, segment.selector);
-  if (context.json) {
-    PrintJson(ToJson(key, flags.segment, explanation, history));
-    return Status::Ok();
-  }
-  std::cout << "Map " << key.name << " version " << key.version << ", segment " << flags.segment
-            << "\n"
-            << ExplanationText(explanation) << "\n";
-  PrintHistory(history);
+  MAPLOC_ASSIGN_OR_RETURN(const auto explained, ReadExplained(*store, flags.map, flags.segment));
+  if (context.json) return PrintJson(ToJson(explained)), Status::Ok();
+  std::cout << "Map " << explained.map.name << " version " << explained.map.version << ", segment "
+            << explained.segment << "\n"
+            << ExplanationText(explained.explanation) << "\n";
+  PrintHistory(explained.history);
   return Status::Ok();
 }
 

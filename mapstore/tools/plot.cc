@@ -6,6 +6,7 @@
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/output.h"
 #include "mapstore/tools/plot_svg.h"
+#include "mapstore/tools/readings.h"
 
 namespace maploc {
 namespace {
@@ -40,25 +41,21 @@ Status WriteFile(const std::string& path, const std::string& text) {
 
 Status Plot(const CommandContext& context, const PlotFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
-  MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*store, flags.map, flags.version));
-  const MapKey& key = map.info.key;
-  MAPLOC_ASSIGN_OR_RETURN(const auto segments, store->ListSegments(key));
-  std::vector<std::shared_ptr<const Segment>> landmarks;
-  std::vector<SegmentChanges> changes;
-  for (const SegmentSummary& segment : segments) {
+  MAPLOC_ASSIGN_OR_RETURN(const ChangedMap changed, ReadChanged(*store, flags.map, flags.version));
+  const MapKey& key = changed.map;
+  std::vector<std::shared_ptr<const Segment>> landmarks;  // those of a version never change
+  for (const SegmentSummary& segment : changed.segments) {
     MAPLOC_ASSIGN_OR_RETURN(auto loaded, store->LoadSegment(key, segment.id));
     landmarks.push_back(std::move(loaded));
-    MAPLOC_ASSIGN_OR_RETURN(const auto rows, store->ListRows(key, segment.id));
-    changes.push_back({segment.id, FindChanges(rows, segment.selector.statistics)});
   }
   const std::string title = key.name + ", version " + std::to_string(key.version) +
                             ", segments by " + std::string(NameOf(flags.colour));
-  MAPLOC_RETURN_IF_ERROR(
-      WriteFile(flags.out, PlotSvg(title, flags.colour, segments, changes, landmarks)));
+  MAPLOC_RETURN_IF_ERROR(WriteFile(
+      flags.out, PlotSvg(title, flags.colour, changed.segments, changed.changes, landmarks)));
   if (context.json) {
     PrintJson({{"map", key.name}, {"out", flags.out}});
   } else {
-    std::cout << "Drew " << segments.size() << " segments into " << flags.out << ".\n";
+    std::cout << "Drew " << changed.segments.size() << " segments into " << flags.out << ".\n";
   }
   return Status::Ok();
 }
