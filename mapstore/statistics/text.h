@@ -8,7 +8,7 @@ namespace maploc {
 
 // Fixed point.
 std::string FixedText(double value, int decimals);
-// "2026-11-25 16:08:10Z"
+// UTC, to the second (rounded down): "2026-11-25 16:08:10Z".
 std::string UtcText(std::int64_t unix_ns);
 
 }  // namespace maploc

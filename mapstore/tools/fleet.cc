@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "mapstore/tools/output.h"
+#include "mapstore/statistics/text.h"
 
 namespace maploc {
 namespace {
@@ -14,8 +14,8 @@ std::string Describe(const RobotDifference& difference) {
   const double unit = gravity ? kDegreesOfRadian : 1.0;
   const int decimals = gravity ? 1 : 2;
   return std::string(RobotMetricName(difference.metric)) + " " +
-         FormatNumber(unit * difference.own, decimals) + " (others " +
-         FormatNumber(unit * difference.others, decimals) + ")" + (gravity ? " degrees" : "");
+         FixedText(unit * difference.own, decimals) + " (others " +
+         FixedText(unit * difference.others, decimals) + ")" + (gravity ? " degrees" : "");
 }
 
 }  // namespace

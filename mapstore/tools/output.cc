@@ -1,11 +1,10 @@
 #include "mapstore/tools/output.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
-#include <cstdio>
-#include <ctime>
 #include <iostream>
+
+#include "mapstore/statistics/text.h"
 
 namespace maploc {
 namespace {
@@ -51,24 +50,7 @@ void Table::Print(std::ostream& out) const {
   std::for_each(rows_.begin() + 1, rows_.end(), print_row);
 }
 
-std::string FormatNumber(double value, int decimals) {
-  std::array<char, 64> text;
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
-  return text.data();
-}
-
-std::string FormatTime(std::int64_t unix_ns) {
-  const std::time_t seconds = static_cast<std::time_t>(unix_ns / 1'000'000'000);
-  std::tm utc{};
-  std::array<char, 32> text{};
-  if (gmtime_r(&seconds, &utc) == nullptr) return "?";
-  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%SZ", &utc);
-  return text.data();
-}
-
-std::string FormatRatio(std::optional<double> ratio) {
-  return ratio ? FormatNumber(*ratio, 3) : "-";
-}
+std::string FormatRatio(std::optional<double> ratio) { return ratio ? FixedText(*ratio, 3) : "-"; }
 
 nlohmann::ordered_json JsonRatio(std::optional<double> ratio) {
   return ratio ? nlohmann::ordered_json(*ratio) : nlohmann::ordered_json(nullptr);

@@ -2,7 +2,6 @@
 // output; progress and warnings go to standard error.
 #pragma once
 
-#include <cstdint>
 #include <iosfwd>
 #include <optional>
 #include <string>
@@ -27,10 +26,6 @@ class Table {
   std::vector<std::vector<std::string>> rows_;  // the header first
 };
 
-// Fixed point.
-std::string FormatNumber(double value, int decimals);
-// UTC, to the second: "2026-11-25 16:49:57Z".
-std::string FormatTime(std::int64_t unix_ns);
 // "0.734", or "-" where there is no evidence.
 std::string FormatRatio(std::optional<double> ratio);
 // The number, or JSON's null.

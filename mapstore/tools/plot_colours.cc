@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "mapstore/tools/output.h"
+#include "mapstore/statistics/text.h"
 
 namespace maploc {
 namespace {
@@ -94,7 +94,7 @@ std::vector<LegendEntry> LegendOf(PlotColour colour) {
   }
   if (colour == PlotColour::kInlierRatio) {
     for (const double ratio : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-      entries.push_back({Gradient(ratio), FormatNumber(ratio, 2)});
+      entries.push_back({Gradient(ratio), FixedText(ratio, 2)});
     }
   } else {
     entries = {{Gradient(0.0), "all lost"},

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "mapstore/tools/output.h"
+#include "mapstore/statistics/text.h"
 #include "mapstore/tools/plot_colours.h"
 
 namespace maploc {
@@ -35,10 +35,10 @@ class Plan {
  public:
   void Include(const Eigen::Vector3d& point) { box_.extend(Eigen::Vector2d(point.head<2>())); }
   std::string X(const Eigen::Vector3d& point) const {
-    return FormatNumber(kMarginPx + (point.x() - box_.min().x()) * Scale(), 1);
+    return FixedText(kMarginPx + (point.x() - box_.min().x()) * Scale(), 1);
   }
   std::string Y(const Eigen::Vector3d& point) const {
-    return FormatNumber(kLegendPx + (box_.max().y() - point.y()) * Scale(), 1);
+    return FixedText(kLegendPx + (box_.max().y() - point.y()) * Scale(), 1);
   }
   double HeightPx() const { return kLegendPx + kMarginPx + box_.sizes().y() * Scale(); }
 
@@ -110,7 +110,7 @@ std::string PlotSvg(const std::string& title, PlotColour colour,
   const Plan plan = Frame(segments);
   std::ostringstream svg;
   svg << "<svg xmlns='http://www.w3.org/2000/svg' width='" << kSidePx << "' height='"
-      << FormatNumber(plan.HeightPx(), 0)
+      << FixedText(plan.HeightPx(), 0)
       << "' font-family='sans-serif' font-size='14'>\n<rect width='100%' height='100%' "
          "fill='white'/>\n";
   for (const auto& segment : landmarks) DrawLandmarks(*segment, plan, svg);

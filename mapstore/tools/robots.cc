@@ -1,6 +1,7 @@
 #include <iostream>
 #include <optional>
 
+#include "mapstore/statistics/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/fleet.h"
 #include "mapstore/tools/output.h"
@@ -26,8 +27,7 @@ nlohmann::ordered_json ToJson(const RobotComparison& robot) {
 std::string Pair(const RobotComparison& robot, RobotMetric metric, double unit) {
   for (const RobotDifference& difference : robot.differences) {
     if (difference.metric != metric) continue;
-    return FormatNumber(unit * difference.own, 2) + " / " +
-           FormatNumber(unit * difference.others, 2);
+    return FixedText(unit * difference.own, 2) + " / " + FixedText(unit * difference.others, 2);
   }
   return "-";
 }

@@ -1,6 +1,7 @@
 #include <iostream>
 #include <map>
 
+#include "mapstore/statistics/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/fleet.h"
 #include "mapstore/tools/output.h"
@@ -66,7 +67,7 @@ void PrintTable(const std::vector<SessionLine>& lines) {
       labels += (labels.empty() ? "" : ", ") + name + "=" + value;
     }
     table.AddRow({session.id, session.map.name, std::to_string(session.map.version), session.robot,
-                  labels, FormatTime(session.start_unix_ns),
+                  labels, UtcText(session.start_unix_ns),
                   EndName(session.end) + (session.revoked ? ", revoked" : ""),
                   std::to_string(line.queries), std::to_string(line.localized),
                   std::to_string(line.visits.size()), DescribeFlags(line.differences)});

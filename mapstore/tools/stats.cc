@@ -2,6 +2,7 @@
 #include <map>
 #include <optional>
 
+#include "mapstore/statistics/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/decline.h"
 #include "mapstore/tools/output.h"
@@ -45,7 +46,7 @@ void PrintTable(const std::vector<SegmentStats>& segments) {
   Table table({"segment", "sessions", "queries", "localized", "point inliers / matches",
                "usable line inliers / matches", "vertical line inliers / matches", "p", "l", "lv"});
   const auto pair = [](double inliers, double matches) {
-    return FormatNumber(inliers, 1) + " / " + FormatNumber(matches, 1);
+    return FixedText(inliers, 1) + " / " + FixedText(matches, 1);
   };
   for (const SegmentStats& segment : segments) {
     const SegmentStatistics& s = segment.summary.statistics;
@@ -54,8 +55,8 @@ void PrintTable(const std::vector<SegmentStats>& segments) {
          std::to_string(s.localized), pair(s.point_inliers, s.point_matches),
          pair(s.usable_line_inliers, s.usable_line_matches),
          pair(s.vertical_line_inliers, s.vertical_line_matches),
-         FormatNumber(s.typical_point_matches, 1), FormatNumber(s.typical_usable_line_matches, 1),
-         FormatNumber(s.typical_vertical_line_matches, 1)});
+         FixedText(s.typical_point_matches, 1), FixedText(s.typical_usable_line_matches, 1),
+         FixedText(s.typical_vertical_line_matches, 1)});
   }
   table.Print(std::cout);
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <ostream>
 
+#include "mapstore/statistics/text.h"
 #include "mapstore/tools/output.h"
 
 namespace maploc::experiments {
@@ -49,7 +50,7 @@ std::vector<double> ColumnsOf(const ChartPanel& panel) {
 std::string Cell(const ChartSeries& series, double column, bool share) {
   const auto found = std::ranges::find(series.points, column, &ChartPoint::x);
   if (found == series.points.end() || !std::isfinite(found->y)) return "-";
-  if (share) return FormatNumber(found->y, 3);
+  if (share) return FixedText(found->y, 3);
   return TextOf(Row{{"value", found->y}}, "value");
 }
 

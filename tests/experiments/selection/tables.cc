@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <ostream>
 
+#include "mapstore/statistics/text.h"
 #include "mapstore/tools/output.h"
 #include "tests/experiments/selection/groups.h"
 
@@ -60,7 +61,7 @@ void PrintAuc(const SelectionResult& result, std::ostream& out) {
   for (const NamedGroup& group : SessionsAndWhole(result)) {
     std::vector<std::string> cells = {group.name};
     for (const int column : ColumnsOf(result)) {
-      cells.push_back(FormatNumber(ScoreOf(group.queries, column).auc, 4));
+      cells.push_back(FixedText(ScoreOf(group.queries, column).auc, 4));
     }
     const int best = BestSingle(group.queries);
     const Interval interval = BootstrapSelection(group.queries, best, result.flags.trials.seed);
@@ -84,9 +85,9 @@ void PrintLong(const SelectionResult& result, std::ostream& out) {
     std::vector<std::string> cells = {group.name};
     for (const int column : LongColumnsOf(result)) {
       const Score score = ScoreOf(group.queries, column);
-      cells.push_back(FormatNumber(score.mean_long_iterations, 0) + "; " +
-                      FormatNumber(score.mean_long_ms, 3) + "; " +
-                      FormatNumber(100.0 * score.long_recall, 1));
+      cells.push_back(FixedText(score.mean_long_iterations, 0) + "; " +
+                      FixedText(score.mean_long_ms, 3) + "; " +
+                      FixedText(100.0 * score.long_recall, 1));
     }
     table.AddRow(cells);
   }
