@@ -13,7 +13,7 @@
 namespace maploc::testing {
 
 struct Output {
-  int exit_code = -1;  // -1: a signal ended it
+  int exit_code = -1;  // of the shell: 128 + n where signal n ended the binary
   std::string out;
   std::string error;  // what it wrote to standard error
 };

@@ -9,7 +9,7 @@
 #include "server/solvers/up1p1l.h"
 #include "server/solvers/up2p.h"
 #include "tests/support/seed.h"
-#include "tests/unit/server/solvers/upright_scene.h"
+#include "tests/unit/server/solvers/recovery.h"
 
 namespace maploc::testing {
 namespace {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/seed.h"
+#include "tests/unit/server/solvers/recovery.h"
 #include "tests/unit/server/solvers/upright_scene.h"
 
 namespace maploc::testing {
@@ -16,6 +17,13 @@ struct Sample {
     return SolveP2p1l(rays, points, normal, line_point, line_direction, poses);
   }
 };
+
+PoseError SolvedError(const Sample& sample, const Rigid3& truth) {
+  Rigid3 poses[8];
+  const int count = sample.Solve(poses);
+  EXPECT_LE(count, 2);
+  return BestError(poses, count, truth);
+}
 
 void SetLine(const UprightScene& scene, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
              Sample* sample) {
@@ -38,21 +46,15 @@ Sample MakeSample(const UprightScene& scene, Random& random, double scale = 1.0)
 
 TEST(P2p1l, RecoversRandomPoses) {
   Random random = TestRandom();
-  std::vector<double> rotations;
-  std::vector<double> positions;
-  for (int i = 0; i < 100000; ++i) {
+  const Errors errors = ErrorsOver(kManyProblems, [&](int) {
     const UprightScene scene = MakeScene(random, 3.0 * RandomDirection(random));
-    Rigid3 poses[8];
-    const int count = MakeSample(scene, random).Solve(poses);
-    ASSERT_LE(count, 2);
-    rotations.push_back(BestRotationError(poses, count, scene.camera_from_map));
-    positions.push_back(BestPositionError(poses, count, scene.camera_from_map));
-  }
-  EXPECT_LT(Percentile(rotations, 0.5), 1e-14);
-  EXPECT_LT(Percentile(rotations, 0.999), 1e-10);
+    return SolvedError(MakeSample(scene, random), scene.camera_from_map);
+  });
+  EXPECT_LT(Percentile(errors.rotation_rad, 0.5), 1e-14);
+  EXPECT_LT(Percentile(errors.rotation_rad, 0.999), 1e-10);
   // The worst of 100,000 lies near a double root, where the error is the root of the rounding's.
-  EXPECT_LT(Percentile(rotations, 1.0), 1e-3) << "a pose was missed";
-  EXPECT_LT(Percentile(positions, 0.999), 1e-9);
+  EXPECT_LT(Percentile(errors.rotation_rad, 1.0), 1e-3) << "a pose was missed";
+  EXPECT_LT(Percentile(errors.position, 0.999), 1e-9);
 }
 
 TEST(P2p1l, EveryPoseIsOne) {
@@ -81,40 +83,35 @@ TEST(P2p1l, EveryPoseIsOne) {
 // Features of one wall: the line meets the line through the points, or runs along it.
 TEST(P2p1l, ALineInThePlaneOfThePairIsNotDegenerate) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  for (int i = 0; i < 5000; ++i) {
+  const Errors errors = ErrorsOver(5000, [&](int i) {
     const UprightScene scene = MakeScene(random, RandomDirection(random));
     Sample sample = MakeSample(scene, random);
     const Eigen::Vector3d pair = sample.points[1] - sample.points[0];
     const Eigen::Vector3d aside = scene.PointInMap(RandomRay(random), random.Uniform(1, 10));
     const Eigen::Vector3d along = sample.points[0] + random.Uniform(-1, 2) * pair;
     SetLine(scene, aside, i % 2 == 0 ? along : Eigen::Vector3d(aside + pair), &sample);
-    Rigid3 poses[8];
-    errors.push_back(BestRotationError(poses, sample.Solve(poses), scene.camera_from_map));
-  }
-  EXPECT_LT(Percentile(errors, 0.99), 1e-10);
-  EXPECT_LT(Percentile(errors, 1.0), 1e-3);
+    return SolvedError(sample, scene.camera_from_map);
+  });
+  EXPECT_LT(Percentile(errors.rotation_rad, 0.99), 1e-10);
+  EXPECT_LT(Percentile(errors.rotation_rad, 1.0), 1e-3);
 }
 
 TEST(P2p1l, ScenesOfCentimetresAndMapsFarAway) {
   Random random = TestRandom();
-  std::vector<double> small;
-  std::vector<double> far;
+  Errors small;
+  Errors far;
   for (int i = 0; i < 5000; ++i) {
-    Rigid3 poses[8];
     const UprightScene tiny = MakeScene(random, 0.01 * RandomDirection(random));
-    int count = MakeSample(tiny, random, 0.01).Solve(poses);
-    small.push_back(BestRotationError(poses, count, tiny.camera_from_map));
+    small.Add(SolvedError(MakeSample(tiny, random, 0.01), tiny.camera_from_map));
     const UprightScene away = MakeScene(random, kFarAway);
     Sample distant = MakeSample(away, random);
     for (int k = 0; k < 2; ++k) distant.rays[k] = away.RayTo(distant.points[k]);
     distant.normal = away.RayTo(distant.line_point)
                          .cross(away.camera_from_map.rotation * distant.line_direction);
-    count = distant.Solve(poses);
-    far.push_back(BestRotationError(poses, count, away.camera_from_map));
+    far.Add(SolvedError(distant, away.camera_from_map));
   }
-  EXPECT_LT(Percentile(small, 0.99), 1e-11);
-  EXPECT_LT(Percentile(far, 0.99), 1e-11);
+  EXPECT_LT(Percentile(small.rotation_rad, 0.99), 1e-11);
+  EXPECT_LT(Percentile(far.rotation_rad, 0.99), 1e-11);
 }
 
 TEST(P2p1l, DegenerateSamplesHaveNoSolution) {

@@ -5,6 +5,7 @@
 #include <opengv/absolute_pose/methods.hpp>
 
 #include "tests/support/seed.h"
+#include "tests/unit/server/solvers/recovery.h"
 #include "tests/unit/server/solvers/upright_scene.h"
 
 namespace maploc::testing {
@@ -22,6 +23,13 @@ Triple MakeTriple(const UprightScene& scene, Random& random, double scale = 1.0)
     triple.points[i] = scene.PointInMap(triple.rays[i], scale * random.Uniform(1, 10));
   }
   return triple;
+}
+
+PoseError SolvedError(const Triple& triple, const Rigid3& truth) {
+  Rigid3 poses[4];
+  const int count = SolveP3p(triple.rays, triple.points, poses);
+  EXPECT_LE(count, 4);
+  return BestError(poses, count, truth);
 }
 
 // Of unit rays, so that a point behind the camera is wrong.
@@ -79,18 +87,11 @@ std::vector<Rigid3> SolutionsOfOpenGv(const Triple& triple, double tolerance) {
 TEST(P3p, RecoversRandomPoses) {
   for (int seed = 0; seed < kSeeds; ++seed) {
     Random random = TestRandom(seed);
-    std::vector<double> errors;
-    for (int i = 0; i < kManyProblems; ++i) {
+    const Errors errors = ErrorsOver(kManyProblems, [&](int) {
       const UprightScene scene = MakeScene(random, 3.0 * RandomDirection(random));
-      const Triple triple = MakeTriple(scene, random);
-      Rigid3 poses[4];
-      const int count = SolveP3p(triple.rays, triple.points, poses);
-      ASSERT_LE(count, 4);
-      errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-    }
-    const ErrorSummary summary = Summarize(errors);
-    EXPECT_EQ(summary.missed, 0);
-    EXPECT_LE(summary.percent999, 1e-11);
+      return SolvedError(MakeTriple(scene, random), scene.camera_from_map);
+    });
+    const ErrorSummary summary = ExpectRecovered(errors, {.percent999_rad = 1e-11});
     EXPECT_LT(summary.median, 1e-13);
   }
 }
@@ -115,42 +116,29 @@ TEST(P3p, EveryPoseSeesThePointsWhereTheyWereSeen) {
 
 TEST(P3p, MapFiveHundredKilometresFromItsOrigin) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  std::vector<double> positions;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     const UprightScene scene = MakeScene(random, kFarAway);
     Triple triple = MakeTriple(scene, random);
     for (int k = 0; k < 3; ++k) triple.rays[k] = scene.RayTo(triple.points[k]);
-    Rigid3 poses[4];
-    const int count = SolveP3p(triple.rays, triple.points, poses);
-    errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-    positions.push_back(BestPositionError(poses, count, scene.camera_from_map));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent999, 1e-11);
-  EXPECT_LE(Percentile(positions, 0.999), kFarPositionError);
+    return SolvedError(triple, scene.camera_from_map);
+  });
+  ExpectRecovered(errors, {.percent999_rad = 1e-11});
+  EXPECT_LE(Percentile(errors.position, 0.999), kFarPositionError);
 }
 
 TEST(P3p, ScenesOfCentimetres) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     const UprightScene scene = MakeScene(random, 0.01 * RandomDirection(random));
     const Triple triple = MakeTriple(scene, random, 0.01);
-    Rigid3 poses[4];
-    const int count = SolveP3p(triple.rays, triple.points, poses);
-    errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent999, 1e-11);
+    return SolvedError(triple, scene.camera_from_map);
+  });
+  ExpectRecovered(errors, {.percent999_rad = 1e-11});
 }
 
 TEST(P3p, RaysOneDegreeApart) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     const UprightScene scene = MakeScene(random);
     Triple triple = MakeTriple(scene, random);
     const Eigen::Vector3d across = triple.rays[0].cross(RandomDirection(random)).normalized();
@@ -160,20 +148,15 @@ TEST(P3p, RaysOneDegreeApart) {
     for (int k = 1; k < 3; ++k) {
       triple.points[k] = scene.PointInMap(triple.rays[k], random.Uniform(1, 10));
     }
-    Rigid3 poses[4];
-    const int count = SolveP3p(triple.rays, triple.points, poses);
-    errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent99, 1e-11);
+    return SolvedError(triple, scene.camera_from_map);
+  });
+  ExpectRecovered(errors, {.percent99_rad = 1e-11});
 }
 
 // Quarter turns about each axis: entries of the rotation that are exactly 0 or 1.
 TEST(P3p, NoRotationIsSpecial) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int i) {
     UprightScene scene = MakeScene(random);
     Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
     const int first = i % 3;
@@ -183,13 +166,9 @@ TEST(P3p, NoRotationIsSpecial) {
     turn.row(2) = turn.row(0).cross(turn.row(1));
     scene.camera_from_map.rotation = Eigen::Quaterniond(turn);
     const Triple triple = MakeTriple(scene, random);
-    Rigid3 poses[4];
-    const int count = SolveP3p(triple.rays, triple.points, poses);
-    errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent999, 1e-11);
+    return SolvedError(triple, scene.camera_from_map);
+  });
+  ExpectRecovered(errors, {.percent999_rad = 1e-11});
 }
 
 // On a floor or a ceiling, where the danger cylinder stands upright around the camera: the pose's
@@ -197,7 +176,7 @@ TEST(P3p, NoRotationIsSpecial) {
 // pose to a tenth of what counts as missed, in double, and are left out.
 TEST(P3p, PointsOfEqualHeight) {
   Random random = TestRandom();
-  std::vector<double> errors;
+  Errors errors;
   int undetermined = 0;
   for (int i = 0; i < 20000; ++i) {
     const UprightScene scene = MakeScene(random);
@@ -211,14 +190,10 @@ TEST(P3p, PointsOfEqualHeight) {
       ++undetermined;
       continue;
     }
-    Rigid3 poses[4];
-    const int count = SolveP3p(triple.rays, triple.points, poses);
-    errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
+    errors.Add(SolvedError(triple, scene.camera_from_map));
   }
   EXPECT_LT(undetermined, 40);
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent99, 1e-11);
+  ExpectRecovered(errors, {.percent99_rad = 1e-11});
 }
 
 // An independent count: OpenGV's P3P (Kneip's quartic), which does not look at signs. Whatever it
@@ -259,8 +234,7 @@ TEST(P3p, FindsAllSolutionsThatOpenGvFinds) {
 // The camera in the symmetry plane of an isosceles triangle: pairs of solutions mirror each other.
 TEST(P3p, IsoscelesTriangles) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     Triple triple;
     const double half = random.Uniform(0.2, 1);
     const double tilt = random.Uniform(-1, 1);
@@ -270,13 +244,9 @@ TEST(P3p, IsoscelesTriangles) {
     Rigid3 truth;
     truth.translation = {0, random.Uniform(-1, 1), random.Uniform(3, 6)};
     for (int k = 0; k < 3; ++k) triple.rays[k] = truth * triple.points[k];
-    Rigid3 poses[4];
-    const int count = SolveP3p(triple.rays, triple.points, poses);
-    errors.push_back(BestRotationError(poses, count, truth));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent99, 1e-11);
+    return SolvedError(triple, truth);
+  });
+  ExpectRecovered(errors, {.percent99_rad = 1e-11});
 }
 
 // An equilateral triangle square to the axis has equal distances and angles: roots coincide.
@@ -288,9 +258,7 @@ TEST(P3p, ASymmetricTriangle) {
     triple.rays[k] = triple.points[k] + Eigen::Vector3d(0, 0, 3);
   }
   const Rigid3 truth = {Eigen::Quaterniond::Identity(), {0, 0, 3}};
-  Rigid3 poses[4];
-  const int count = SolveP3p(triple.rays, triple.points, poses);
-  EXPECT_LT(BestRotationError(poses, count, truth), 1e-7);
+  EXPECT_LT(SolvedError(triple, truth).rotation_rad, 1e-7);
 }
 
 TEST(P3p, PointsOnALineHaveNoSolution) {

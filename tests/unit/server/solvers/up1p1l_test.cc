@@ -4,6 +4,7 @@
 
 #include "tests/support/seed.h"
 #include "tests/unit/server/solvers/paper_route.h"
+#include "tests/unit/server/solvers/recovery.h"
 #include "tests/unit/server/solvers/upright_scene.h"
 
 namespace maploc::testing {
@@ -36,28 +37,28 @@ int Solve(const UprightScene& scene, const PointAndLine& sample, Rigid3 poses[2]
                      sample.line1, sample.direction(), poses);
 }
 
+PoseError SolvedError(const UprightScene& scene, const PointAndLine& sample) {
+  Rigid3 poses[2];
+  const int count = Solve(scene, sample, poses);
+  return BestError(poses, count, scene.camera_from_map);
+}
+
 TEST(Up1p1l, RecoversRandomPoses) {
   for (int seed = 0; seed < kSeeds; ++seed) {
     Random random = TestRandom(seed);
-    std::vector<double> errors;
-    for (int i = 0; i < kManyProblems; ++i) {
+    const Errors errors = ErrorsOver(kManyProblems, [&](int) {
       const UprightScene scene = MakeScene(random, 3.0 * RandomDirection(random));
-      Rigid3 poses[2];
-      const int count = Solve(scene, MakePointAndLine(scene, random), poses);
-      errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-    }
-    const ErrorSummary summary = Summarize(errors);
-    EXPECT_EQ(summary.missed, 0);
-    EXPECT_LE(summary.percent999, 1e-11);
-    EXPECT_LT(Percentile(errors, kAllButFive), 1e-7);
+      return SolvedError(scene, MakePointAndLine(scene, random));
+    });
+    ExpectRecovered(errors, {.percent999_rad = 1e-11});
+    EXPECT_LT(Percentile(errors.rotation_rad, kAllButFive), 1e-7);
   }
 }
 
 // The ends of the image line one degree apart, and the point one degree from it.
 TEST(Up1p1l, RaysOneDegreeApart) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     const UprightScene scene = MakeScene(random);
     PointAndLine sample = MakePointAndLine(scene, random);
     const Eigen::Vector3d across = sample.end_ray1.cross(RandomDirection(random)).normalized();
@@ -67,29 +68,17 @@ TEST(Up1p1l, RaysOneDegreeApart) {
     sample.point = scene.PointInMap(sample.ray, random.Uniform(1, 10));
     sample.line1 = scene.PointInMap(sample.end_ray1, random.Uniform(1, 10));
     sample.line2 = scene.PointInMap(sample.end_ray2, random.Uniform(1, 10));
-    Rigid3 poses[2];
-    const int count = Solve(scene, sample, poses);
-    errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
+    return SolvedError(scene, sample);
+  });
   // The rays' rounding against one degree, 60 times that of the others.
-  EXPECT_LE(summary.percent99, 1e-11);
+  ExpectRecovered(errors, {.percent99_rad = 1e-11});
 }
 
 TEST(Up1p1l, NoYawIsSpecial) {
   Random random = TestRandom();
-  const double cosines[] = {1, 0, -1, 0};
-  const double sines[] = {0, 1, 0, -1};
-  for (int quarter = 0; quarter < 4; ++quarter) {
-    for (int i = 0; i < 1000; ++i) {
-      const UprightScene scene = MakeSceneWithYaw(cosines[quarter], sines[quarter], random);
-      Rigid3 poses[2];
-      const int count = Solve(scene, MakePointAndLine(scene, random), poses);
-      EXPECT_LT(BestRotationError(poses, count, scene.camera_from_map), 1e-8)
-          << 90 * quarter << " degrees, problem " << i;
-    }
-  }
+  ExpectNoYawIsSpecial(random, [&](const UprightScene& scene) {
+    return SolvedError(scene, MakePointAndLine(scene, random));
+  });
 }
 
 TEST(Up1p1l, HorizontalLinesAwayFromTheHorizonAreNotDegenerate) {
@@ -107,45 +96,31 @@ TEST(Up1p1l, HorizontalLinesAwayFromTheHorizonAreNotDegenerate) {
     if (Up1p1lConditioning(aligned_from_camera * sample.normal(), sample.direction()) < 0.05) {
       continue;
     }
-    Rigid3 poses[2];
-    const int count = Solve(scene, sample, poses);
-    EXPECT_LT(BestRotationError(poses, count, scene.camera_from_map), 1e-9) << "problem " << i;
+    EXPECT_LT(SolvedError(scene, sample).rotation_rad, 1e-9) << "problem " << i;
   }
 }
 
 TEST(Up1p1l, MapFiveHundredKilometresFromItsOrigin) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  std::vector<double> positions;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     const UprightScene scene = MakeScene(random, kFarAway);
     PointAndLine sample = MakePointAndLine(scene, random);
     sample.ray = scene.RayTo(sample.point);
     sample.end_ray1 = scene.RayTo(sample.line1);
     sample.end_ray2 = scene.RayTo(sample.line2);
-    Rigid3 poses[2];
-    const int count = Solve(scene, sample, poses);
-    errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-    positions.push_back(BestPositionError(poses, count, scene.camera_from_map));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent999, 1e-11);
-  EXPECT_LE(Percentile(positions, 0.999), kFarPositionError);
+    return SolvedError(scene, sample);
+  });
+  ExpectRecovered(errors, {.percent999_rad = 1e-11});
+  EXPECT_LE(Percentile(errors.position, 0.999), kFarPositionError);
 }
 
 TEST(Up1p1l, ScenesOfCentimetres) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     const UprightScene scene = MakeScene(random, 0.01 * RandomDirection(random));
-    Rigid3 poses[2];
-    const int count = Solve(scene, MakePointAndLine(scene, random, 0.01), poses);
-    errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent999, 1e-11);
+    return SolvedError(scene, MakePointAndLine(scene, random, 0.01));
+  });
+  ExpectRecovered(errors, {.percent999_rad = 1e-11});
 }
 
 TEST(Up1p1l, AVerticalLineGivesNoYaw) {
@@ -192,9 +167,7 @@ TEST(Up1p1l, AgreesWithThePapersFrames) {
                              sample.end_ray2, sample.line1, sample.line2);
     Rigid3 poses[2];
     const int count = Solve(scene, sample, poses);
-    for (int k = 0; k < count; ++k) {
-      errors.push_back(BestRotationError(paper.data(), static_cast<int>(paper.size()), poses[k]));
-    }
+    AddDifferences(poses, count, paper, &errors);
   }
   EXPECT_GE(errors.size(), 2000u);
   EXPECT_LT(Percentile(errors, 0.99), 1e-9);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/seed.h"
+#include "tests/unit/server/solvers/recovery.h"
 #include "tests/unit/server/solvers/upright_scene.h"
 
 namespace maploc::testing {
@@ -50,24 +51,21 @@ double YawError(const Yaw& a, const Yaw& b) {
       std::atan2(a.sine * b.cosine - a.cosine * b.sine, a.cosine * b.cosine + a.sine * b.sine));
 }
 
-// The yaw's error; pi unless there is exactly one solution.
-double SolvedYawError(const PointAndVerticals& s, const AlignedPose& truth) {
+// The yaw's error; pi unless there is exactly one solution. The position's is not looked at.
+PoseError SolvedError(const PointAndVerticals& s, const AlignedPose& truth) {
   AlignedPose poses[2];
   const int count = SolveUp1p2v(s.ray, s.point, s.normal1, s.line1, s.normal2, s.line2, poses);
-  return count == 1 ? YawError(poses[0].yaw, truth.yaw) : std::numbers::pi;
+  return {.rotation_rad = count == 1 ? YawError(poses[0].yaw, truth.yaw) : std::numbers::pi};
 }
 
 TEST(Up1p2v, RecoversRandomPosesWithOneSolution) {
   for (int seed = 0; seed < kSeeds; ++seed) {
     Random random = TestRandom(seed);
-    std::vector<double> errors;
-    for (int i = 0; i < kManyProblems; ++i) {
+    const Errors errors = ErrorsOver(kManyProblems, [&](int) {
       const AlignedPose truth = RandomAlignedPose(random);
-      errors.push_back(SolvedYawError(MakeSample(truth, random), truth));
-    }
-    const ErrorSummary summary = Summarize(errors);
-    EXPECT_EQ(summary.missed, 0);
-    EXPECT_LE(summary.percent999, 1e-11);
+      return SolvedError(MakeSample(truth, random), truth);
+    });
+    const ErrorSummary summary = ExpectRecovered(errors, {.percent999_rad = 1e-11});
     EXPECT_LT(summary.median, 1e-14);
   }
 }
@@ -76,39 +74,32 @@ TEST(Up1p2v, NoYawIsSpecial) {
   Random random = TestRandom();
   const Yaw yaws[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   for (const Yaw& yaw : yaws) {
-    std::vector<double> errors;
-    for (int i = 0; i < 5000; ++i) {
+    const Errors errors = ErrorsOver(5000, [&](int) {
       const AlignedPose truth = {yaw, RandomDirection(random)};
-      errors.push_back(SolvedYawError(MakeSample(truth, random), truth));
-    }
-    const ErrorSummary summary = Summarize(errors);
-    EXPECT_EQ(summary.missed, 0);
-    EXPECT_LE(summary.percent99, 1e-11);
+      return SolvedError(MakeSample(truth, random), truth);
+    });
+    ExpectRecovered(errors, {.percent99_rad = 1e-11});
   }
 }
 
 // All at the camera's height: to verticals and a bearing, heights are nothing.
 TEST(Up1p2v, EqualHeightsAreNotDegenerate) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  for (int i = 0; i < 5000; ++i) {
+  const Errors errors = ErrorsOver(5000, [&](int) {
     const AlignedPose truth = RandomAlignedPose(random);
     const auto level = [&] {
       return Eigen::Vector3d(random.Uniform(2, 10), random.Uniform(-4, 4), 0);
     };
     const Eigen::Vector3d p = level();
     const Eigen::Vector3d l1 = level();
-    errors.push_back(SolvedYawError(MakeSample(truth, p, l1, level()), truth));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent99, 1e-11);
+    return SolvedError(MakeSample(truth, p, l1, level()), truth);
+  });
+  ExpectRecovered(errors, {.percent99_rad = 1e-11});
 }
 
 TEST(Up1p2v, RaysOneDegreeApart) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     const AlignedPose truth = RandomAlignedPose(random);
     const double bearing = random.Uniform(-1, 1);
     const auto at = [&](double degrees) -> Eigen::Vector3d {
@@ -118,17 +109,14 @@ TEST(Up1p2v, RaysOneDegreeApart) {
     };
     const Eigen::Vector3d p = at(0);
     const Eigen::Vector3d l1 = at(1);
-    errors.push_back(SolvedYawError(MakeSample(truth, p, l1, at(-1)), truth));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent99, 1e-11);
+    return SolvedError(MakeSample(truth, p, l1, at(-1)), truth);
+  });
+  ExpectRecovered(errors, {.percent99_rad = 1e-11});
 }
 
 TEST(Up1p2v, MapFiveHundredKilometresFromItsOrigin) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     const AlignedPose truth = RandomAlignedPose(random);
     PointAndVerticals s = MakeSample(truth, random);
     for (Eigen::Vector3d* position : {&s.point, &s.line1, &s.line2}) *position += kFarAway;
@@ -140,24 +128,19 @@ TEST(Up1p2v, MapFiveHundredKilometresFromItsOrigin) {
     s.ray = ray_to(s.point);
     s.normal1 = ray_to(s.line1).cross(up);
     s.normal2 = ray_to(s.line2).cross(up);
-    errors.push_back(SolvedYawError(s, truth));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent999, 1e-11);
+    return SolvedError(s, truth);
+  });
+  ExpectRecovered(errors, {.percent999_rad = 1e-11});
 }
 
 TEST(Up1p2v, ScenesOfCentimetres) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     AlignedPose truth = RandomAlignedPose(random);
     truth.translation *= 0.01;
-    errors.push_back(SolvedYawError(MakeSample(truth, random, 0.01), truth));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent999, 1e-11);
+    return SolvedError(MakeSample(truth, random, 0.01), truth);
+  });
+  ExpectRecovered(errors, {.percent999_rad = 1e-11});
 }
 
 TEST(Up1p2v, ConditioningIsZeroOnTheDangerCircle) {

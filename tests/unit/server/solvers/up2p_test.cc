@@ -5,6 +5,7 @@
 #include "server/solvers/yaw_equation.h"
 #include "tests/support/seed.h"
 #include "tests/unit/server/solvers/paper_route.h"
+#include "tests/unit/server/solvers/recovery.h"
 #include "tests/unit/server/solvers/upright_scene.h"
 
 namespace maploc::testing {
@@ -27,6 +28,12 @@ int Solve(const UprightScene& scene, const PairOfPoints& pair, Rigid3 poses[2]) 
   return SolveUp2p(scene.gravity_in_camera, pair.ray1, pair.point1, pair.ray2, pair.point2, poses);
 }
 
+PoseError SolvedError(const UprightScene& scene, const PairOfPoints& pair) {
+  Rigid3 poses[2];
+  const int count = Solve(scene, pair, poses);
+  return BestError(poses, count, scene.camera_from_map);
+}
+
 // Returns 0 or 2 (a double root twice); 0 where the yaw is unobservable.
 int SolveYaw(const YawEquation& equation, Yaw yaws[2]) {
   const YawRoots roots = FindYawRoots(equation);
@@ -40,21 +47,14 @@ int SolveYaw(const YawEquation& equation, Yaw yaws[2]) {
 TEST(Up2p, RecoversRandomPoses) {
   for (int seed = 0; seed < kSeeds; ++seed) {
     Random random = TestRandom(seed);
-    std::vector<double> errors;
-    std::vector<double> positions;
-    for (int i = 0; i < kManyProblems; ++i) {
+    const Errors errors = ErrorsOver(kManyProblems, [&](int) {
       const UprightScene scene = MakeScene(random, 3.0 * RandomDirection(random));
-      Rigid3 poses[2];
-      const int count = Solve(scene, MakePair(scene, random), poses);
-      errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-      positions.push_back(BestPositionError(poses, count, scene.camera_from_map));
-    }
-    const ErrorSummary summary = Summarize(errors);
-    EXPECT_EQ(summary.missed, 0);
-    EXPECT_LE(summary.percent999, 1e-11);
-    EXPECT_LT(Percentile(errors, kAllButFive), 1e-7);
-    EXPECT_LT(Percentile(positions, kAllButFive), 1e-6);
-    EXPECT_LT(Percentile(positions, 1.0), 1e-4);
+      return SolvedError(scene, MakePair(scene, random));
+    });
+    ExpectRecovered(errors, {.percent999_rad = 1e-11});
+    EXPECT_LT(Percentile(errors.rotation_rad, kAllButFive), 1e-7);
+    EXPECT_LT(Percentile(errors.position, kAllButFive), 1e-6);
+    EXPECT_LT(Percentile(errors.position, 1.0), 1e-4);
   }
 }
 
@@ -81,17 +81,9 @@ TEST(Up2p, EveryKeptPoseSeesBothPointsWhereTheyWereSeen) {
 
 TEST(Up2p, NoYawIsSpecial) {
   Random random = TestRandom();
-  const double cosines[] = {1, 0, -1, 0};
-  const double sines[] = {0, 1, 0, -1};
-  for (int quarter = 0; quarter < 4; ++quarter) {
-    for (int i = 0; i < 1000; ++i) {
-      const UprightScene scene = MakeSceneWithYaw(cosines[quarter], sines[quarter], random);
-      Rigid3 poses[2];
-      const int count = Solve(scene, MakePair(scene, random), poses);
-      EXPECT_LT(BestRotationError(poses, count, scene.camera_from_map), 1e-8)
-          << 90 * quarter << " degrees, problem " << i;
-    }
-  }
+  ExpectNoYawIsSpecial(random, [&](const UprightScene& scene) {
+    return SolvedError(scene, MakePair(scene, random));
+  });
 }
 
 TEST(Up2p, PairsOfEqualHeightAreNotDegenerate) {
@@ -110,68 +102,47 @@ TEST(Up2p, PairsOfEqualHeightAreNotDegenerate) {
       in_camera = scene.camera_from_map * pair.point2;
     } while (in_camera.z() < 0.1);
     pair.ray2 = in_camera / in_camera.z();
-    Rigid3 poses[2];
-    const int count = Solve(scene, pair, poses);
-    EXPECT_LT(BestRotationError(poses, count, scene.camera_from_map), 1e-8) << "problem " << i;
+    EXPECT_LT(SolvedError(scene, pair).rotation_rad, 1e-8) << "problem " << i;
   }
 }
 
 TEST(Up2p, RaysOneDegreeApart) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     const UprightScene scene = MakeScene(random);
     PairOfPoints pair = MakePair(scene, random);
     const Eigen::Vector3d axis = pair.ray1.cross(RandomDirection(random)).normalized();
     pair.ray2 = Eigen::AngleAxisd(kDegree, axis) * pair.ray1;
     pair.point2 = scene.PointInMap(pair.ray2, random.Uniform(1, 10));
-    Rigid3 poses[2];
-    const int count = Solve(scene, pair, poses);
-    errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
+    return SolvedError(scene, pair);
+  });
   // The rays' rounding against one degree, 60 times that of the others.
-  EXPECT_LE(summary.percent99, 1e-11);
-  EXPECT_LT(Percentile(errors, 0.9995), 1e-8);
+  ExpectRecovered(errors, {.percent99_rad = 1e-11});
+  EXPECT_LT(Percentile(errors.rotation_rad, 0.9995), 1e-8);
 }
 
 TEST(Up2p, MapFiveHundredKilometresFromItsOrigin) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  std::vector<double> positions;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     const UprightScene scene = MakeScene(random, kFarAway);
     PairOfPoints pair = MakePair(scene, random);
     pair.ray1 = scene.RayTo(pair.point1);
     pair.ray2 = scene.RayTo(pair.point2);
-    Rigid3 poses[2];
-    const int count = Solve(scene, pair, poses);
-    errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-    positions.push_back(BestPositionError(poses, count, scene.camera_from_map));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent999, 1e-11);
-  EXPECT_LE(Percentile(positions, 0.999), kFarPositionError);
+    return SolvedError(scene, pair);
+  });
+  ExpectRecovered(errors, {.percent999_rad = 1e-11});
+  EXPECT_LE(Percentile(errors.position, 0.999), kFarPositionError);
 }
 
 TEST(Up2p, ScenesOfCentimetres) {
   Random random = TestRandom();
-  std::vector<double> errors;
-  std::vector<double> positions;
-  for (int i = 0; i < 20000; ++i) {
+  const Errors errors = ErrorsOver(20000, [&](int) {
     const UprightScene scene = MakeScene(random, 0.01 * RandomDirection(random));
-    Rigid3 poses[2];
-    const int count = Solve(scene, MakePair(scene, random, 0.01), poses);
-    errors.push_back(BestRotationError(poses, count, scene.camera_from_map));
-    positions.push_back(BestPositionError(poses, count, scene.camera_from_map));
-  }
-  const ErrorSummary summary = Summarize(errors);
-  EXPECT_EQ(summary.missed, 0);
-  EXPECT_LE(summary.percent999, 1e-11);
-  EXPECT_LT(Percentile(positions, 0.999), 1e-9);
-  EXPECT_LT(Percentile(positions, 1.0), 1e-7);
+    return SolvedError(scene, MakePair(scene, random, 0.01));
+  });
+  ExpectRecovered(errors, {.percent999_rad = 1e-11});
+  EXPECT_LT(Percentile(errors.position, 0.999), 1e-9);
+  EXPECT_LT(Percentile(errors.position, 1.0), 1e-7);
 }
 
 TEST(Up2p, EqualRaysOrEqualPointsHaveNoSolution) {
@@ -250,9 +221,7 @@ TEST(Up2p, AgreesWithThePapersEquations) {
         PaperTwoPoints(scene.gravity_in_camera, pair.ray1, pair.point1, pair.ray2, pair.point2);
     Rigid3 poses[2];
     const int count = Solve(scene, pair, poses);
-    for (int k = 0; k < count; ++k) {
-      errors.push_back(BestRotationError(paper.data(), static_cast<int>(paper.size()), poses[k]));
-    }
+    AddDifferences(poses, count, paper, &errors);
   }
   EXPECT_GE(errors.size(), 2000u);
   EXPECT_LT(Percentile(errors, 0.99), 1e-9);
