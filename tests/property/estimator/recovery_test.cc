@@ -16,7 +16,6 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Trial {
-  int found = 0;
   int right = 0;  // within 1 degree and 0.15 m of a camera 3 to 5 metres away
   int trials = 0;
   double success() const { return static_cast<double>(right) / trials; }
@@ -38,7 +37,6 @@ Trial RunTrials(const SyntheticOptions& synthetic, Strategy strategy, int trials
     const Consensus consensus = EstimateConsensus(made.problem, options);
     ++result.trials;
     if (!consensus.found) continue;
-    ++result.found;
     RefineOptions refine;
     refine.max_reprojection_error_px = 3.0;
     const RefinedPose pose = RefinePose(made.problem, consensus.camera_from_map, refine);
@@ -83,7 +81,6 @@ TEST_P(Robustness, AtEightyPercentOutliers) {
                                 cell.strategy, kTrials, 100);
   const double sigma = std::sqrt(cell.success * (1 - cell.success) / kTrials);
   EXPECT_GE(trial.success(), cell.success - 3 * sigma);
-  EXPECT_GE(trial.found, trial.right);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -1,11 +1,9 @@
 // What holds for every history: order-free folding, a replay that equals the whole, probabilities
 // that agree with drawing.
 #include <algorithm>
-#include <tuple>
 
 #include <gtest/gtest.h>
 
-#include "mapstore/statistics/explain.h"
 #include "mapstore/statistics/selector.h"
 #include "tests/support/seed.h"
 
@@ -85,27 +83,6 @@ TEST(Statistics, TheReplayEqualsTheWholeAtEveryStep) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     fold.Add(rows[i]);
     EXPECT_EQ(fold.Value(), Aggregate(std::span(rows).first(i + 1)));
-  }
-}
-
-// However sessions ended, their rows are brought into their order; all that is derived from them
-// then has the same bits.
-TEST(Statistics, TheOrderInWhichSessionsEndDoesNotMatter) {
-  for (int repetition = 0; repetition < 20; ++repetition) {
-    Random random = TestRandom(repetition);
-    std::vector<SegmentSessionRow> rows = RandomRows(random, 25);
-    for (SegmentSessionRow& row : rows) row.session_start_unix_ns /= 3;  // some start together
-    const StrategyDecision decision = SelectStrategy(rows);
-    const std::string explanation = ExplanationText(ExplainStrategy(rows, decision, {}));
-    for (std::size_t i = rows.size(); i > 1; --i) {
-      std::swap(rows[i - 1], rows[random.Below(static_cast<std::uint32_t>(i))]);
-    }
-    std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
-      return std::tie(a.session_start_unix_ns, a.session) <
-             std::tie(b.session_start_unix_ns, b.session);
-    });
-    EXPECT_EQ(SelectStrategy(rows), decision) << "repetition " << repetition;
-    EXPECT_EQ(ExplanationText(ExplainStrategy(rows, decision, {})), explanation);
   }
 }
 

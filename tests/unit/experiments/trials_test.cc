@@ -72,6 +72,7 @@ TEST(RunSettings, OursAndBaselinesUseExactlyTheProtocolsIterations) {
   const Rows rows =
       RunSettings(kSettings, Options({"1p1l-4dof", "2p-6dof", "mixed-auto", "p3p", "epnp", "2p1l"}))
           .value();
+  ASSERT_EQ(rows.size(), 6 * kSettings.size());
   for (const Row& row : rows) EXPECT_EQ(row["mean_iterations"], 100.0) << row;
 }
 
