@@ -140,6 +140,16 @@ Eigen::Quaterniond RandomRotation(Random& random) {
   return Eigen::Quaterniond(q(0), q(1), q(2), q(3));
 }
 
+SyntheticProblem MovedBy(const Eigen::Vector3d& by, SyntheticProblem problem) {
+  for (auto& point : problem.problem.points) point.position_in_map += by;
+  for (auto& line : problem.problem.lines) {
+    line.segment_in_map.start += by;
+    line.segment_in_map.end += by;
+  }
+  problem.camera_from_map.translation -= problem.camera_from_map.rotation * by;
+  return problem;
+}
+
 Rigid3 MakeCameraFromMap(Scene scene, Random& random) {
   // Looking along `forward` with y down, then pitched and rolled.
   const double yaw = random.Uniform(-std::numbers::pi, std::numbers::pi);

@@ -45,6 +45,9 @@ struct SyntheticProblem {
 // Features in random order (ordered inliers would flatter a sampler).
 SyntheticProblem MakeSyntheticProblem(const SyntheticOptions& options, Random& random);
 
+// The same problem, the map and the camera in it moved by `by`.
+SyntheticProblem MovedBy(const Eigen::Vector3d& by, SyntheticProblem problem);
+
 // A camera of the scene: within it or around it, level within 30 degrees, in any direction.
 Rigid3 MakeCameraFromMap(Scene scene, Random& random);
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -14,28 +13,23 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "mapstore/base/median.h"
 #include "tests/support/files.h"
 #include "tests/support/run_binary.h"
 #include "tests/support/server_process.h"
+#include "tests/support/shared_data.h"
 
 namespace maploc::testing {
 
 using nlohmann::json;
 
-// The folder of the data sets: MAPLOC_SHARED_DATA, else shared/data beside the sources.
-inline std::filesystem::path DataFolder() {
-  const char* folder = std::getenv("MAPLOC_SHARED_DATA");
-  if (folder != nullptr) return folder;
-  return std::filesystem::path(MAPLOC_SOURCE_DIR) / ".." / "shared" / "data";
-}
-
 class RealDataTest : public ::testing::Test {
  protected:
   // Skips where the data set is not there.
   void Require(const std::string& set) {
-    data_ = DataFolder() / set;
+    data_ = SharedDataFolder() / set;
     if (!std::filesystem::exists(data_ / "database.db")) {
-      GTEST_SKIP() << "no real data: " << data_.lexically_normal().string()
+      GTEST_SKIP() << "no real data: " << data_.string()
                    << " does not exist; set MAPLOC_SHARED_DATA to the folder that holds it";
     }
   }
@@ -96,10 +90,6 @@ class RealDataTest : public ::testing::Test {
     }
     std::sort(errors.begin(), errors.end());
     return errors;
-  }
-  static double Median(const std::vector<double>& sorted) {
-    const std::size_t half = sorted.size() / 2;
-    return sorted.size() % 2 == 1 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
   }
 
   const TemporaryFolder folder_;

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mapstore/base/median.h"
 #include "server/refinement/refine.h"
 #include "tests/support/seed.h"
 #include "tests/support/synthetic_problem.h"
@@ -26,12 +27,6 @@ struct Cell {
 
 void PrintTo(const Cell& cell, std::ostream* out) {
   *out << cell.matches << " points and lines, gravity " << cell.gravity_sigma_deg << " degrees";
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void ExpectAsGoodAsTheBetter(double of_auto, double held, double forgotten) {

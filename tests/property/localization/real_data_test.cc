@@ -2,6 +2,7 @@
 // not.
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -9,6 +10,7 @@
 #include "server/pipeline/localizer.h"
 #include "tests/property/localization/recorded_set.h"
 #include "tests/support/seed.h"
+#include "tests/support/shared_data.h"
 
 namespace maploc {
 namespace {
@@ -86,8 +88,9 @@ void Print(const Report& report) {
 class RealDataTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (testing::SharedDataFolder().empty()) {
-      GTEST_SKIP() << "no shared/data beside the repository (MAPLOC_SHARED_DATA names another)";
+    if (!std::filesystem::is_directory(testing::SharedDataFolder())) {
+      GTEST_SKIP() << "no real data: " << testing::SharedDataFolder().string()
+                   << " does not exist; set MAPLOC_SHARED_DATA to the folder that holds it";
     }
   }
 
@@ -103,7 +106,7 @@ class RealDataTest : public ::testing::Test {
 };
 
 TEST_F(RealDataTest, DroneInARoomWithItsOwnGravity) {
-  const std::string folder = testing::SharedDataFolder() + "/euroc_v101";
+  const std::string folder = (testing::SharedDataFolder() / "euroc_v101").string();
   const Report report = RunSet({
       .folder = folder,
       .sessions = {"session_1", "session_2", "session_3", "session_4"},
@@ -118,7 +121,7 @@ TEST_F(RealDataTest, DroneInARoomWithItsOwnGravity) {
 
 TEST_F(RealDataTest, ChurchFrontWithNoisyGravity) {
   const Report report = RunSet({
-      .folder = testing::SharedDataFolder() + "/herzjesu",
+      .folder = (testing::SharedDataFolder() / "herzjesu").string(),
       .sessions = {"query"},
       .gravity_in_source = {0, 0, 1},
       .gravity = {.csv = "", .noise_sigma_rad = 0.5 * kDegree, .sent_sigma_rad = 0.5 * kDegree},

@@ -1,8 +1,6 @@
 #include "tests/property/localization/recorded_set.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <map>
 
 #include "mapstore/formats/colmap.h"
@@ -118,14 +116,6 @@ Gravity MeasuredGravity(const Rigid3& camera_from_map, const GravitySource& sour
 }
 
 }  // namespace
-
-std::string SharedDataFolder() {
-  const char* named = std::getenv("MAPLOC_SHARED_DATA");
-  const std::filesystem::path folder =
-      named != nullptr ? std::filesystem::path(named)
-                       : std::filesystem::path(MAPLOC_SOURCE_DIR) / ".." / "shared" / "data";
-  return std::filesystem::is_directory(folder) ? folder.string() : std::string();
-}
 
 Result<RecordedSet> LoadRecordedSet(const SetDescription& description, Random& random) {
   MAPLOC_ASSIGN_OR_RETURN(const ColmapModel model, ReadColmapModel(description.folder + "/map"));

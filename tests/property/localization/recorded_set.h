@@ -14,9 +14,6 @@
 
 namespace maploc::testing {
 
-// MAPLOC_SHARED_DATA, else shared/data beside the repository; empty when neither stands.
-std::string SharedDataFolder();
-
 struct RecordedQuery {
   std::string name;
   Query query;

@@ -88,6 +88,20 @@ void PrintTo(const Case& c, std::ostream* out) {
        << c.queries << "x" << c.rows << "spread" << c.spread;
 }
 
+struct Sides {
+  Descriptors queries;
+  Descriptors database;
+  std::vector<std::int32_t> owner;  // the landmark of a row of the database
+};
+
+Sides MakeSides(const Case& c) {
+  Random random = testing::TestRandom();
+  const DescriptorKind kind = Kind(c.metric, c.bytes);
+  Descriptors queries = RandomDescriptors(kind, c.queries, random, c.spread);
+  Descriptors database = RandomDescriptors(kind, c.rows, random, c.spread);
+  return {std::move(queries), std::move(database), RandomLandmarks(c.rows, random)};
+}
+
 // Every instruction set that this machine has must give the naive answer.
 class KnnTest : public ::testing::TestWithParam<Case> {
  protected:
@@ -118,11 +132,10 @@ class KnnTest : public ::testing::TestWithParam<Case> {
 
 TEST_P(KnnTest, EqualsTheDefinitionOnEveryInstructionSet) {
   const Case c = GetParam();
-  Random random = testing::TestRandom();
-  const DescriptorKind kind = Kind(c.metric, c.bytes);
-  const Descriptors queries = RandomDescriptors(kind, c.queries, random, c.spread);
-  const Descriptors database = RandomDescriptors(kind, c.rows, random, c.spread);
-  const std::vector<std::int32_t> owner = RandomLandmarks(c.rows, random);
+  const Sides sides = MakeSides(c);
+  const Descriptors& queries = sides.queries;
+  const Descriptors& database = sides.database;
+  const std::vector<std::int32_t>& owner = sides.owner;
   ForEachTarget([&] {
     const std::vector<Neighbours> found = FindNeighbours(queries, database, owner);
     ASSERT_EQ(found.size(), static_cast<std::size_t>(c.queries));
@@ -137,11 +150,10 @@ TEST_P(KnnTest, EqualsTheDefinitionOnEveryInstructionSet) {
 
 TEST_P(KnnTest, MutualMatchesAreNearestBothWays) {
   const Case c = GetParam();
-  Random random = testing::TestRandom();
-  const DescriptorKind kind = Kind(c.metric, c.bytes);
-  const Descriptors queries = RandomDescriptors(kind, c.queries, random, c.spread);
-  const Descriptors database = RandomDescriptors(kind, c.rows, random, c.spread);
-  const std::vector<std::int32_t> owner = RandomLandmarks(c.rows, random);
+  const Sides sides = MakeSides(c);
+  const Descriptors& queries = sides.queries;
+  const Descriptors& database = sides.database;
+  const std::vector<std::int32_t>& owner = sides.owner;
   const double max_ratio = 0.95;
 
   std::map<std::int32_t, std::pair<std::uint32_t, int>> nearest_query;  // by landmark

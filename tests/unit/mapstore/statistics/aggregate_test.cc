@@ -1,28 +1,12 @@
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "mapstore/statistics/statistics.h"
+#include "tests/unit/mapstore/statistics/rows.h"
 
 namespace maploc {
 namespace {
 
-// `localized` queries of `matches` point matches each, at a rate; lines likewise.
-SegmentSessionRow Row(int start, int localized, int matches, double rate, int lines = 0,
-                      double line_rate = 0.0) {
-  SegmentSessionRow row;
-  row.session = "s" + std::to_string(start);
-  row.session_start_unix_ns = start;
-  row.queries = localized;
-  row.localized = localized;
-  row.point_matches = localized * matches;
-  row.point_inliers = std::lround(localized * matches * rate);
-  row.usable_line_matches = localized * lines;
-  row.usable_line_inliers = std::lround(localized * lines * line_rate);
-  row.median_point_matches = matches;
-  row.median_usable_line_matches = lines;
-  return row;
-}
+using testing::Row;
 
 // Changes alone discount, by nine tenths.
 StatisticsOptions WithoutAgeing() {

@@ -1,27 +1,13 @@
 #include "mapstore/statistics/selector.h"
 
-#include <cmath>
-
 #include <gmock/gmock.h>
+
+#include "tests/unit/mapstore/statistics/rows.h"
 
 namespace maploc {
 namespace {
 
-SegmentSessionRow Row(int start, int localized, int points, double lambda, int lines,
-                      double gamma) {
-  SegmentSessionRow row;
-  row.session = "s" + std::to_string(start);
-  row.session_start_unix_ns = start;
-  row.queries = localized;
-  row.localized = localized;
-  row.point_matches = localized * points;
-  row.point_inliers = std::lround(localized * points * lambda);
-  row.usable_line_matches = localized * lines;
-  row.usable_line_inliers = std::lround(localized * lines * gamma);
-  row.median_point_matches = points;
-  row.median_usable_line_matches = lines;
-  return row;
-}
+using testing::Row;
 
 TEST(SelectStrategy, IsMixedBeforeThereIsEvidence) {
   const StrategyDecision none = SelectStrategy({});

@@ -92,24 +92,22 @@ TEST(Estimator, AMapFarFromItsOriginIsNoOther) {
   Random random = TestRandom();
   const Eigen::Vector3d away(4e5, -3e5, 200);
   for (int i = 0; i < 20; ++i) {
-    SyntheticProblem made = MakeSyntheticProblem(HalfWrong(), random);
-    for (auto& point : made.problem.points) point.position_in_map += away;
-    for (auto& line : made.problem.lines) {
-      line.segment_in_map.start += away;
-      line.segment_in_map.end += away;
-    }
-    made.camera_from_map.translation -= made.camera_from_map.rotation * away;
+    const SyntheticProblem made = MovedBy(away, MakeSyntheticProblem(HalfWrong(), random));
     const Consensus found = EstimateConsensus(made.problem, {});
     ASSERT_TRUE(found.found);
     EXPECT_LT(ComparePoses(found.camera_from_map, made.camera_from_map).position, 0.1);
   }
 }
 
+SyntheticProblem WithoutLines(Random& random) {
+  SyntheticOptions options = HalfWrong();
+  options.line_inliers = options.line_outliers = 0;
+  return MakeSyntheticProblem(options, random);
+}
+
 TEST(Estimator, FallsBackWhereTheStrategyCannotBeDrawn) {
   Random random = TestRandom();
-  SyntheticOptions synthetic = HalfWrong();
-  synthetic.line_inliers = synthetic.line_outliers = 0;
-  const SyntheticProblem made = MakeSyntheticProblem(synthetic, random);
+  const SyntheticProblem made = WithoutLines(random);
   RansacOptions options;
   options.strategy = Strategy::k1P1L;
   Consensus found = EstimateConsensus(made.problem, options);
@@ -124,9 +122,7 @@ TEST(Estimator, FallsBackWhereTheStrategyCannotBeDrawn) {
 
 TEST(Estimator, FallsBackInTheOrderAskedFor) {
   Random random = TestRandom();
-  SyntheticOptions synthetic = HalfWrong();
-  synthetic.line_inliers = synthetic.line_outliers = 0;
-  const SyntheticProblem made = MakeSyntheticProblem(synthetic, random);
+  const SyntheticProblem made = WithoutLines(random);
   RansacOptions options;
   options.strategy = Strategy::k1P1L;
   options.fallbacks = {Strategy::k1P1L, Strategy::k2P, Strategy::kMixed};

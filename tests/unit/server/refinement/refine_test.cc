@@ -107,16 +107,10 @@ TEST(RefinePose, TooFewFeaturesDoNotConverge) {
 TEST(RefinePose, AMapFarFromItsOriginIsNoOther) {
   Random random = TestRandom();
   const Eigen::Vector3d away(4e5, -3e5, 200);
-  SyntheticProblem made = MakeSyntheticProblem(TenAndTen(0.5), random);
+  const SyntheticProblem made = MakeSyntheticProblem(TenAndTen(0.5), random);
   const RefinedPose here = RefinePose(made.problem, made.camera_from_map, {});
-  for (auto& point : made.problem.points) point.position_in_map += away;
-  for (auto& line : made.problem.lines) {
-    line.segment_in_map.start += away;
-    line.segment_in_map.end += away;
-  }
-  Rigid3 moved = made.camera_from_map;
-  moved.translation -= moved.rotation * away;
-  const RefinedPose there = RefinePose(made.problem, moved, {});
+  const SyntheticProblem moved = MovedBy(away, made);
+  const RefinedPose there = RefinePose(moved.problem, moved.camera_from_map, {});
   EXPECT_LT((there.camera_from_map.Inverse().translation - away -
              here.camera_from_map.Inverse().translation)
                 .norm(),
