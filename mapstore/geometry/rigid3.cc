@@ -9,6 +9,11 @@ Similarity3 Similarity3::Inverse() const {
   return {1.0 / scale, inverse, -(inverse * translation) / scale};
 }
 
+Similarity3 operator*(const Similarity3& c_from_b, const Similarity3& b_from_a) {
+  return {c_from_b.scale * b_from_a.scale, (c_from_b.rotation * b_from_a.rotation).normalized(),
+          c_from_b * b_from_a.translation};
+}
+
 Rigid3 MovePose(const Similarity3& target_from_source, const Rigid3& camera_from_source) {
   // camera_from_target * x_target must see the same direction as camera_from_source * x_source,
   // scaled: substitute x_source = target_from_source^-1 * x_target and multiply by the scale.

@@ -37,6 +37,8 @@ struct Similarity3 {
   Similarity3 Inverse() const;
 };
 
+Similarity3 operator*(const Similarity3& c_from_b, const Similarity3& b_from_a);
+
 // A sensor's pose moved along: given target_from_source (similarity) and camera_from_source (rigid,
 // in source's unit), the rigid camera_from_target in target's unit.
 Rigid3 MovePose(const Similarity3& target_from_source, const Rigid3& camera_from_source);

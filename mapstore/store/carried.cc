@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -12,16 +13,6 @@ namespace {
 // Less rounds to nothing in all but the longest sessions, and the list would grow with every
 // version.
 constexpr double kLeastWeight = 0.005;
-
-Similarity3 FreshFromOld(const MapInfo& old_info, const MapInfo& fresh_info) {
-  const Similarity3 source_from_old = old_info.map_from_source.Inverse();
-  const Similarity3& fresh_from_source = fresh_info.map_from_source;
-  Similarity3 fresh_from_old;
-  fresh_from_old.scale = fresh_from_source.scale * source_from_old.scale;
-  fresh_from_old.rotation = fresh_from_source.rotation * source_from_old.rotation;
-  fresh_from_old.translation = fresh_from_source * source_from_old.translation;
-  return fresh_from_old;
-}
 
 std::vector<SegmentLandmarks> AllLandmarks(std::span<const Segment> segments,
                                            const Similarity3& fresh_from_map) {
@@ -63,6 +54,34 @@ std::vector<Inheritance> WithoutSmall(const WeightOf& weights) {
   return kept;
 }
 
+using SharesBySource = std::map<std::int64_t, std::vector<CarriedShare>>;
+
+SharesBySource GroupBySource(std::span<const Inheritance> inheritance) {
+  SharesBySource shares;
+  for (const Inheritance& share : inheritance) {
+    shares[share.source].push_back({share.from, share.to, share.weight});
+  }
+  return shares;
+}
+
+// What one session taught the older segments, as a row of `segment`. REQUIRES: not empty.
+std::optional<TrueRow> CarrySession(SegmentId segment, std::vector<const TrueRow*> parts,
+                                    const SharesBySource& shares) {
+  const TrueRow& any = *parts.front();
+  const auto found = shares.find(any.source);
+  if (found == shares.end()) return std::nullopt;
+  std::sort(parts.begin(), parts.end(), [](const TrueRow* a, const TrueRow* b) {
+    return a->row.segment < b->row.segment;  // sums have an order
+  });
+  std::vector<SegmentSessionRow> taught;
+  for (const TrueRow* part : parts) taught.push_back(part->row);
+  for (SegmentSessionRow& carried : CarryRows(taught, found->second)) {
+    if (carried.segment != segment) continue;
+    return TrueRow{std::move(carried), any.source, any.end_unix_ns, any.options};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Segment WithoutDescriptors(const Segment& segment) {
@@ -81,7 +100,9 @@ std::vector<Inheritance> InheritFrom(std::int64_t predecessor, const MapInfo& ol
                                      std::span<const Segment> old_segments,
                                      std::span<const Inheritance> older, const MapInfo& fresh_info,
                                      std::span<const Segment> fresh_segments) {
-  const auto shares = CarryOver(AllLandmarks(old_segments, FreshFromOld(old_info, fresh_info)),
+  const Similarity3 fresh_from_old =
+      fresh_info.map_from_source * old_info.map_from_source.Inverse();
+  const auto shares = CarryOver(AllLandmarks(old_segments, fresh_from_old),
                                 AllLandmarks(fresh_segments, Similarity3{}),
                                 SharedLandmarkTolerance(fresh_segments));
   WeightOf weights;
@@ -112,25 +133,9 @@ std::vector<TrueRow> WithInherited(SegmentId segment, std::vector<TrueRow> own,
                                    std::span<const Inheritance> inheritance) {
   std::map<SessionId, std::vector<const TrueRow*>> sessions;
   for (const TrueRow& row : rows) sessions[row.row.session].push_back(&row);
-  for (auto& [id, parts] : sessions) {
-    std::sort(parts.begin(), parts.end(),
-              [](const TrueRow* a, const TrueRow* b) { return a->row.segment < b->row.segment; });
-  }
+  const SharesBySource shares = GroupBySource(inheritance);
   for (const auto& [id, parts] : sessions) {
-    std::vector<SegmentSessionRow> taught;
-    std::vector<CarriedShare> shares;
-    for (const TrueRow* part : parts)
-      taught.push_back(part->row);  // by segment: sums have an order
-    for (const Inheritance& share : inheritance) {
-      if (share.source == parts.front()->source) {
-        shares.push_back({share.from, share.to, share.weight});
-      }
-    }
-    for (SegmentSessionRow& carried : CarryRows(taught, shares)) {
-      if (carried.segment != segment) continue;
-      const TrueRow& part = *parts.front();
-      own.push_back({std::move(carried), part.source, part.end_unix_ns, part.options});
-    }
+    if (auto carried = CarrySession(segment, parts, shares)) own.push_back(std::move(*carried));
   }
   std::sort(own.begin(), own.end(), [](const TrueRow& a, const TrueRow& b) {
     return std::tie(a.row.session_start_unix_ns, a.row.session) <

@@ -37,6 +37,18 @@ TEST(Similarity3Test, InverseUndoes) {
   EXPECT_LT((b_from_a.Inverse() * (b_from_a * point_in_a) - point_in_a).norm(), 1e-12);
 }
 
+TEST(Similarity3Test, ProductIsOneTransformAfterTheOther) {
+  Random random = testing::TestRandom();
+  const Similarity3 b_from_a{2.5, RandomRotation(random), RandomVector(random, 10)};
+  const Similarity3 c_from_b{0.3, RandomRotation(random), RandomVector(random, 10)};
+  const Eigen::Vector3d point_in_a = RandomVector(random, 10);
+  const Similarity3 c_from_a = c_from_b * b_from_a;
+  EXPECT_LT((c_from_a * point_in_a - c_from_b * (b_from_a * point_in_a)).norm(), 1e-12);
+  const Similarity3 a_from_a = b_from_a.Inverse() * b_from_a;
+  EXPECT_NEAR(a_from_a.scale, 1.0, 1e-15);
+  EXPECT_LT((a_from_a * point_in_a - point_in_a).norm(), 1e-12);
+}
+
 // A client compares answers with references through this: the moved camera sees the moved world in
 // the same directions, at scaled depths.
 TEST(MovePoseTest, KeepsDirectionsAndScalesDepths) {
