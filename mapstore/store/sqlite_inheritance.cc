@@ -14,6 +14,19 @@ Result<std::vector<Inheritance>> Collect(SqliteStatement& statement) {
   }
 }
 
+// What SharesBehind chooses of a version's shares, without reading them all. CROSS JOIN keeps
+// SQLite from it.
+Result<std::vector<Inheritance>> ReadSharesBehind(SqliteDatabase& database, std::int64_t map,
+                                                  SegmentId id) {
+  SqliteStatement statement(database,
+                            "SELECT i.source_map, i.source_segment, i.segment, i.weight "
+                            "FROM inheritance own CROSS JOIN inheritance i "
+                            "USING (map, source_map, source_segment) "
+                            "WHERE own.map = ?1 AND own.segment = ?2 "
+                            "ORDER BY i.segment, i.source_map, i.source_segment");
+  return Collect(statement.Bind(map, id));
+}
+
 }  // namespace
 
 Result<std::vector<Inheritance>> ReadInheritance(SqliteDatabase& database, std::int64_t map) {
@@ -47,12 +60,7 @@ Result<std::vector<std::pair<std::int64_t, SegmentId>>> ReadHeirs(SqliteDatabase
 Result<std::vector<TrueRow>> ReadTrueRows(SqliteDatabase& database, std::int64_t map,
                                           SegmentId id) {
   MAPLOC_ASSIGN_OR_RETURN(std::vector<TrueRow> own, ReadRows(database, map, id));
-  SqliteStatement statement(database,
-                            "SELECT source_map, source_segment, segment, weight FROM inheritance "
-                            "WHERE map = ?1 AND (source_map, source_segment) IN (SELECT "
-                            "source_map, source_segment FROM inheritance WHERE map = ?1 AND "
-                            "segment = ?2) ORDER BY segment, source_map, source_segment");
-  MAPLOC_ASSIGN_OR_RETURN(const auto shares, Collect(statement.Bind(map, id)));
+  MAPLOC_ASSIGN_OR_RETURN(const auto shares, ReadSharesBehind(database, map, id));
   std::vector<TrueRow> older;
   for (const Inheritance& share : shares) {
     if (share.to != id) continue;
