@@ -60,8 +60,6 @@ class InMemoryStore : public MapStore {
   Status StartSession(const Session& session) override;
   Result<Session> GetSession(const SessionId& id) const override;
   Result<std::vector<Session>> ListSessions() const override;
-  Status AppendObservations(const SessionId& id,
-                            std::span<const Observation> observations) override;
   Result<std::vector<SessionId>> AppendGroup(std::span<const SessionObservations> group) override;
   Result<std::vector<Observation>> ListObservations(const SessionId& id) const override;
   Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end, std::int64_t end_unix_ns,

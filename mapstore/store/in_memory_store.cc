@@ -183,18 +183,6 @@ Status InMemoryStore::CheckObservations(const Session& session,
   return Status::Ok();
 }
 
-Status InMemoryStore::AppendObservations(const SessionId& id,
-                                         std::span<const Observation> observations) {
-  const std::lock_guard lock(mutex_);
-  const auto found = sessions_.find(id);
-  if (found == sessions_.end()) return UnknownSession(id);
-  InMemorySession& stored = found->second;
-  if (stored.session.end != SessionEnd::kOpen) return SessionClosed(id);
-  MAPLOC_RETURN_IF_ERROR(CheckObservations(stored.session, observations));
-  for (const Observation& o : observations) stored.observations.try_emplace(o.sequence, o);
-  return Status::Ok();
-}
-
 Result<std::vector<SessionId>> InMemoryStore::AppendGroup(
     std::span<const SessionObservations> group) {
   const std::lock_guard lock(mutex_);

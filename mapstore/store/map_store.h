@@ -101,12 +101,9 @@ class MapStore {
   virtual Result<Session> GetSession(const SessionId& id) const = 0;
   // By start, then id.
   virtual Result<std::vector<Session>> ListSessions() const = 0;
-  // Idempotent by (session, sequence). FAILED_PRECONDITION (SESSION_CLOSED) after its end. Segments
-  // must exist (or be -1).
-  virtual Status AppendObservations(const SessionId& id,
-                                    std::span<const Observation> observations) = 0;
-  // The same for several sessions in ONE transaction, so that they share a sync of the disk. Those
-  // that have ended are left out, and returned; any other error of one is everybody's.
+  // To several sessions in ONE transaction, so that they share a sync of the disk. Idempotent by
+  // (session, sequence). Segments must exist (or be -1). Sessions that have ended are left out, and
+  // returned; any other error of one is everybody's.
   virtual Result<std::vector<SessionId>> AppendGroup(
       std::span<const SessionObservations> group) = 0;
   virtual Result<std::vector<Observation>> ListObservations(const SessionId& id) const = 0;

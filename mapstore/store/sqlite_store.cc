@@ -30,8 +30,6 @@ class SqliteStore : public MapStore {
   Status StartSession(const Session& session) override;
   Result<Session> GetSession(const SessionId& id) const override;
   Result<std::vector<Session>> ListSessions() const override;
-  Status AppendObservations(const SessionId& id,
-                            std::span<const Observation> observations) override;
   Result<std::vector<SessionId>> AppendGroup(std::span<const SessionObservations> group) override;
   Result<std::vector<Observation>> ListObservations(const SessionId& id) const override;
   Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end, std::int64_t end_unix_ns,
@@ -134,16 +132,6 @@ Result<Session> SqliteStore::GetSession(const SessionId& id) const {
 Result<std::vector<Session>> SqliteStore::ListSessions() const {
   MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
   return ReadSessions(reader.database());
-}
-
-Status SqliteStore::AppendObservations(const SessionId& id,
-                                       std::span<const Observation> observations) {
-  MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_->Write());
-  MAPLOC_ASSIGN_OR_RETURN(const Session session, ReadSession(writer.database(), id));
-  if (session.end != SessionEnd::kOpen) return SessionClosed(id);
-  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(writer.database(), session.map));
-  MAPLOC_RETURN_IF_ERROR(InsertObservations(writer.database(), map, id, observations));
-  return writer.Commit();
 }
 
 Result<std::vector<SessionId>> SqliteStore::AppendGroup(

@@ -122,11 +122,6 @@ Status SessionExists(const SessionId& id) {
                 "session '" + id + "' exists already");
 }
 
-Status SessionClosed(const SessionId& id) {
-  return FailedPrecondition("SESSION_CLOSED",
-                            "session '" + id + "' has ended; start a new one to add to");
-}
-
 Status UnknownMap(const std::string& name) { return NotFound("map '" + name + "'", "UNKNOWN_MAP"); }
 
 Status UnknownMap(const MapKey& key) {

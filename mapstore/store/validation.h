@@ -28,7 +28,6 @@ Status ValidatePin(const std::optional<Strategy>& pinned);
 Status EmptyMap(const MapKey& key);
 Status ImportCommitted();
 Status SessionExists(const SessionId& id);
-Status SessionClosed(const SessionId& id);
 Status UnknownMap(const std::string& name);
 Status UnknownMap(const MapKey& key);
 Status UnknownSegment(const MapKey& key, SegmentId id);

@@ -33,10 +33,6 @@ class ForwardingStore : public MapStore {
   Status StartSession(const Session& session) override { return store_->StartSession(session); }
   Result<Session> GetSession(const SessionId& id) const override { return store_->GetSession(id); }
   Result<std::vector<Session>> ListSessions() const override { return store_->ListSessions(); }
-  Status AppendObservations(const SessionId& id,
-                            std::span<const Observation> observations) override {
-    return store_->AppendObservations(id, observations);
-  }
   Result<std::vector<SessionId>> AppendGroup(std::span<const SessionObservations> group) override {
     return store_->AppendGroup(group);
   }

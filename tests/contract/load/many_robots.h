@@ -23,8 +23,8 @@ inline int DriveRobots(MapStore& store, const MapKey& key, int robots, int queri
     for (int q = 1; q <= queries_each; ++q) {
       group.push_back(Seen(q, static_cast<SegmentId>((robot + q) % segments), 100, 60));
       if (q % kGroup != 0) continue;
-      failures += !store.AppendObservations(id, group).ok();
-      if ((q / kGroup + robot) % 5 == 0) failures += !store.AppendObservations(id, group).ok();
+      failures += !Append(store, id, group).ok();
+      if ((q / kGroup + robot) % 5 == 0) failures += !Append(store, id, group).ok();
       group.clear();
     }
     const auto first = store.EndSession(id, SessionEnd::kByRobot, 9000, group);

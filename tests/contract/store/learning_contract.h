@@ -77,9 +77,9 @@ class LearningContract : public StoreContract {
   void Finish(const Drive& drive, Random& random) {
     const std::size_t part = random.Below(drive.seen.size() + 1);
     const std::vector<Observation> head(drive.seen.begin(), drive.seen.begin() + part);
-    ASSERT_TRUE(store_->AppendObservations(drive.id, head).ok());
+    ASSERT_TRUE(Append(*store_, drive.id, head).ok());
     if (random.Below(3) == 0) {
-      ASSERT_TRUE(store_->AppendObservations(drive.id, head).ok());
+      ASSERT_TRUE(Append(*store_, drive.id, head).ok());
     }
     const SessionSummary summary = End(drive.id, drive.seen);
     if (random.Below(3) == 0) {

@@ -109,9 +109,9 @@ TEST_P(LearningContract, AnOpenSessionCanBeRevoked) {
   Fresh();
   const std::vector<Told> nothing = Tell();
   Start("s", key_);
-  ASSERT_TRUE(store_->AppendObservations("s", std::vector{Seen(1, 0)}).ok());
+  ASSERT_TRUE(Append(*store_, "s", std::vector{Seen(1, 0)}).ok());
   ASSERT_TRUE(store_->RevokeSession("s").ok());
-  ASSERT_TRUE(store_->AppendObservations("s", std::vector{Seen(2, 1)}).ok());
+  ASSERT_TRUE(Append(*store_, "s", std::vector{Seen(2, 1)}).ok());
   const SessionSummary summary = End("s", {Seen(3, 1)});
   EXPECT_EQ(summary.queries, 3);
   EXPECT_EQ(Tell(), nothing);

@@ -172,7 +172,7 @@ TEST_P(MapContract, WhatIsUnknownIsNotFound) {
   EXPECT_EQ(store_->StartSession(OpenSession("s", none)).code(), not_found);
   EXPECT_EQ(store_->GetSession("s").status().code(), not_found);
   EXPECT_EQ(store_->ListObservations("s").status().code(), not_found);
-  EXPECT_EQ(store_->AppendObservations("s", {}).code(), not_found);
+  EXPECT_EQ(Append(*store_, "s", {}).code(), not_found);
   EXPECT_EQ(store_->EndSession("s", SessionEnd::kIdle, 1, {}).status().code(), not_found);
 }
 

@@ -45,9 +45,9 @@ TEST_P(SessionContract, AnObservationIsKeptOnceAndWhole) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
   const std::vector<Observation> both = {Seen(1, 0), OutOfMap(2)};
-  ASSERT_TRUE(store_->AppendObservations("s", both).ok());
-  ASSERT_TRUE(store_->AppendObservations("s", both).ok());
-  ASSERT_TRUE(store_->AppendObservations("s", std::vector{Seen(1, 2, 7, 7)}).ok());
+  ASSERT_TRUE(Append(*store_, "s", both).ok());
+  ASSERT_TRUE(Append(*store_, "s", both).ok());
+  ASSERT_TRUE(Append(*store_, "s", std::vector{Seen(1, 2, 7, 7)}).ok());
   const auto kept = store_->ListObservations("s").value();
   ASSERT_THAT(kept, SizeIs(2));
   const Observation want = Seen(1, 0);
@@ -71,12 +71,11 @@ TEST_P(SessionContract, ARefusedBatchOfObservationsLeavesNothing) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
   Observation more_inliers = Seen(2, 0, 10, 11);
-  EXPECT_EQ(store_->AppendObservations("s", std::vector{Seen(1, 0), more_inliers}).code(),
+  EXPECT_EQ(Append(*store_, "s", std::vector{Seen(1, 0), more_inliers}).code(),
             StatusCode::kInvalidArgument);
-  EXPECT_EQ(store_->AppendObservations("s", std::vector{Seen(1, 0), Seen(2, 3)}).code(),
+  EXPECT_EQ(Append(*store_, "s", std::vector{Seen(1, 0), Seen(2, 3)}).code(),
             StatusCode::kNotFound);
-  EXPECT_EQ(store_->AppendObservations("s", std::vector{Seen(0, 0)}).code(),
-            StatusCode::kInvalidArgument);
+  EXPECT_EQ(Append(*store_, "s", std::vector{Seen(0, 0)}).code(), StatusCode::kInvalidArgument);
   EXPECT_THAT(store_->ListObservations("s").value(), IsEmpty());
   EXPECT_EQ(
       store_->EndSession("s", SessionEnd::kByRobot, 1, std::vector{Seen(1, 9)}).status().code(),
@@ -113,9 +112,7 @@ TEST_P(SessionContract, AGroupOfSessionsIsAppendedTogetherOrNotAtAll) {
 TEST_P(SessionContract, TheEndOfASessionChangesTheVisitedSegmentsAlone) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
-  ASSERT_TRUE(
-      store_->AppendObservations("s", std::vector{Seen(1, 0, 40, 30), Missed(2, 0), Seen(3, 2)})
-          .ok());
+  ASSERT_TRUE(Append(*store_, "s", std::vector{Seen(1, 0, 40, 30), Missed(2, 0), Seen(3, 2)}).ok());
   EXPECT_EQ(At(key, 0).statistics.queries, 0);  // nothing before the end
   const std::int64_t before = Changes();
   const SessionSummary summary = End("s", {OutOfMap(4), Seen(5, 0, 60, 50)});
@@ -156,7 +153,8 @@ TEST_P(SessionContract, ASecondEndChangesNothingAndAnswersTheSame) {
   EXPECT_EQ(At(key, 1).statistics.queries, 0);
   EXPECT_EQ(Changes(), changes);
   EXPECT_EQ(store_->GetSession("s")->end_unix_ns, 5000);
-  EXPECT_EQ(store_->AppendObservations("s", std::vector{Seen(2, 1)}).reason(), "SESSION_CLOSED");
+  EXPECT_THAT(store_->AppendGroup(std::vector<SessionObservations>{{"s", {Seen(2, 1)}}}).value(),
+              ElementsAre("s"));
   EXPECT_EQ(store_->EndSession("s", SessionEnd::kOpen, 1, {}).status().code(),
             StatusCode::kInvalidArgument);
 }
@@ -164,7 +162,7 @@ TEST_P(SessionContract, ASecondEndChangesNothingAndAnswersTheSame) {
 TEST_P(SessionContract, AQuerySentTwiceCountsOnce) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
-  ASSERT_TRUE(store_->AppendObservations("s", std::vector{Seen(1, 0), Seen(2, 0)}).ok());
+  ASSERT_TRUE(Append(*store_, "s", std::vector{Seen(1, 0), Seen(2, 0)}).ok());
   const SessionSummary summary = End("s", {Seen(2, 0), Seen(3, 0)});
   EXPECT_EQ(summary.queries, 3);
   EXPECT_EQ(At(key, 0).statistics.queries, 3);
@@ -250,7 +248,7 @@ TEST_P(SessionContract, ManyRobotsAtOnceLoseNothing) {
   const auto drive = [&](int robot) {
     const SessionId id = std::to_string(robot);
     for (int i = 1; i <= kQueries; ++i) {
-      failures += !store_->AppendObservations(id, std::vector{Seen(i, i % 3)}).ok();
+      failures += !Append(*store_, id, std::vector{Seen(i, i % 3)}).ok();
       failures += !store_->ListSegments(key).ok();
     }
     failures += !store_->EndSession(id, SessionEnd::kByRobot, 9, {}).ok();
@@ -277,7 +275,7 @@ TEST_P(SessionContract, ManyObservationsByManyRobotsAreAllCountedOnce) {
 TEST_P(SessionContract, ASessionEndedTwiceAtOnceCountsOnce) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
-  ASSERT_TRUE(store_->AppendObservations("s", std::vector{Seen(1, 0), Seen(2, 1)}).ok());
+  ASSERT_TRUE(Append(*store_, "s", std::vector{Seen(1, 0), Seen(2, 1)}).ok());
   SessionSummary answers[2];
   std::thread other([&] { answers[1] = End("s"); });
   answers[0] = End("s");
@@ -290,7 +288,7 @@ TEST_P(PersistentStoreContract, ARestartForgetsNothing) {
   const MapKey key = GiveMap(*store_);
   Start("ended", key);
   Start("open", key, 2000);
-  ASSERT_TRUE(store_->AppendObservations("open", std::vector{Seen(1, 1)}).ok());
+  ASSERT_TRUE(Append(*store_, "open", std::vector{Seen(1, 1)}).ok());
   std::vector<Observation> seen;
   for (int i = 1; i <= 15; ++i) seen.push_back(Seen(i, 0, 90 + i, 33, 21, 7));
   const SessionSummary summary = End("ended", seen);

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -107,6 +108,14 @@ inline Observation OutOfMap(std::int64_t sequence) {
   observation.sequence = sequence;
   observation.outcome = Outcome::kOutOfMap;
   return observation;
+}
+
+// To one session, which must be open.
+inline Status Append(MapStore& store, const SessionId& id, std::vector<Observation> observations) {
+  const auto ended =
+      store.AppendGroup(std::vector<SessionObservations>{{id, std::move(observations)}});
+  if (!ended.ok()) return ended.status();
+  return ended->empty() ? Status::Ok() : FailedPrecondition("ENDED", "session '" + id + "'");
 }
 
 }  // namespace maploc::testing

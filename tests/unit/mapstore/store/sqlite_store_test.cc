@@ -260,7 +260,7 @@ TEST_F(SqliteStoreTest, ObservationsOfAKilledServerAreFoldedByTheNext) {
   Child server([&](auto wait_for_death) {
     auto store = OpenSqliteStore(path_);
     if (!(*store)->StartSession(OpenSession("s", key)).ok()) _exit(1);
-    if (!(*store)->AppendObservations("s", std::vector{Seen(1, 0), Seen(2, 1)}).ok()) _exit(1);
+    if (!Append(**store, "s", std::vector{Seen(1, 0), Seen(2, 1)}).ok()) _exit(1);
     wait_for_death();
   });
   server.Kill();
