@@ -1,5 +1,5 @@
-// How a segment's strategy is selected. Stored with every decision, so that any process can derive
-// it anew.
+// How a segment's strategy is selected. Stored with the rows and pins that it was applied to, so
+// that any process can derive a decision anew.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// How rows become statistics. Stored with every decision.
+// How rows become statistics. A part of SelectorOptions, stored with them.
 #pragma once
 
 #include <algorithm>

@@ -174,8 +174,8 @@ ALTER TABLE decisions ADD COLUMN independent_vertical_lines REAL NOT NULL DEFAUL
 )sql";
 
 // What is in force follows from the rows, the pins and the options alone, and so does the history:
-// it is no longer kept as it grew, but derived (OpenStoreFile fills segment_states, because the
-// fingerprint 0 is nobody's). A row's options were those of the decision that it caused.
+// it is no longer kept as it grew, but derived (whoever migrates fills segment_states and writes
+// the fingerprint, DeriveAllAnew). A row's options were those of the decision that it caused.
 constexpr std::string_view kVersion3 = R"sql(
 INSERT INTO meta VALUES ('derivation_fingerprint', 0);
 

@@ -20,10 +20,11 @@ int OpenFlags(SqliteAccess access) {
 // SQLite gives names like ":memory:" and "" a meaning of their own; behind a folder they are files.
 std::string FileName(const std::string& path) { return path.starts_with('/') ? path : "./" + path; }
 
-// A millisecond at a time. SQLite's own handler sleeps up to 100 ms between two looks, and an
-// import that takes the lock again and again would win it from an EndSession that sleeps.
-int WaitForLock(void* timeout_ms, int waited_ms) {
-  if (waited_ms >= reinterpret_cast<std::intptr_t>(timeout_ms)) return 0;
+// A millisecond at a time (or a little more, as sleeping goes). SQLite's own handler sleeps up to
+// 100 ms between two looks, and an import that takes the lock again and again would win it from an
+// EndSession that sleeps.
+int WaitForLock(void* timeout_ms, int times_before) {
+  if (times_before >= reinterpret_cast<std::intptr_t>(timeout_ms)) return 0;
   std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return 1;
 }

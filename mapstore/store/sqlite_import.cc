@@ -110,10 +110,10 @@ Status DeleteImport(SqliteConnections& connections, std::int64_t map, ImportOwne
   }
 }
 
-// What the version in `places` inherits from the newest published one before it. Nothing where that
+// What the version of `places` inherits from the newest published one before it. Nothing where that
 // one is damaged: a new map must not fail for an old one's sake.
 Result<std::vector<Inheritance>> FindInheritance(SqliteConnections& connections,
-                                                 const MapInfo& info, std::int64_t map,
+                                                 const MapInfo& info,
                                                  std::span<const Segment> places) {
   MAPLOC_ASSIGN_OR_RETURN(auto reader, connections.Read());
   SqliteDatabase& database = reader.database();
@@ -121,9 +121,7 @@ Result<std::vector<Inheritance>> FindInheritance(SqliteConnections& connections,
   const StoredMap* predecessor = nullptr;  // they come by name, then version
   for (const StoredMap& other : maps) {
     const MapKey& key = other.key();
-    if (key.name == info.key.name && key.version < info.key.version && other.row_id != map) {
-      predecessor = &other;
-    }
+    if (key.name == info.key.name && key.version < info.key.version) predecessor = &other;
   }
   if (predecessor == nullptr) return std::vector<Inheritance>();
   std::vector<Segment> old_places;
@@ -196,8 +194,7 @@ class SqliteMapWriter : public MapWriter {
   // transaction a segment: with many sessions a whole map would keep others waiting. What sessions
   // teach the older versions meanwhile reaches the heirs that are written down.
   Status Inherit() {
-    MAPLOC_ASSIGN_OR_RETURN(const auto shares,
-                            FindInheritance(connections_, info_, row_id_, places_));
+    MAPLOC_ASSIGN_OR_RETURN(const auto shares, FindInheritance(connections_, info_, places_));
     MAPLOC_RETURN_IF_ERROR(WriteDown(shares));
     for (std::size_t i = 0; i < shares.size(); ++i) {
       const SegmentId heir = shares[i].to;

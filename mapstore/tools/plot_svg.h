@@ -15,7 +15,7 @@ namespace maploc {
 enum class PlotColour {
   kStrategy,     // of the segment
   kInlierRatio,  // of points; of lines where there are none
-  kChange,       // the greatest loss or gain since the last change
+  kChange,       // what is left since the last changes, of what lost most or gained least
 };
 
 // An SVG document, seen from above, x to the right and y up. `segments`, `changes` and `landmarks`
