@@ -138,9 +138,7 @@ TEST_P(InheritanceContract, TheSameMapOnceMoreChangesNothing) {
     Random random = TestRandom(repetition);
     SCOPED_TRACE(::testing::Message() << "seed " << TestSeed(repetition));
     const std::vector<Drive> drives = RandomDrives(random, 12);
-    Fresh();
-    StartAll(drives);
-    for (const Drive& drive : drives) Finish(drive, random);
+    FreshAfter(drives, random);
     const std::vector<Told> told = Tell();
     for (int version = 2; version <= 4; ++version) {
       const MapKey again = GiveMap(*store_, "yard", kSegments);
@@ -157,9 +155,7 @@ TEST_P(InheritanceContract, ACutConservesWhatSessionsCounted) {
     Random random = TestRandom(repetition);
     SCOPED_TRACE(::testing::Message() << "seed " << TestSeed(repetition));
     const std::vector<Drive> drives = RandomDrives(random, 12);
-    Fresh();
-    StartAll(drives);
-    for (const Drive& drive : drives) Finish(drive, random);
+    FreshAfter(drives, random);
     const auto counts = CountsIn(key_, kSegments);
     const MapKey cut = GiveCutYard();
     EXPECT_EQ(CountsIn(cut, kSegments + 1), counts);

@@ -86,6 +86,12 @@ class LearningContract : public StoreContract {
       EXPECT_EQ(End(drive.id, drive.seen), summary);
     }
   }
+  // A store of its own in which all of them were driven.
+  void FreshAfter(const std::vector<Drive>& drives, Random& random) {
+    Fresh();
+    StartAll(drives);
+    for (const Drive& drive : drives) Finish(drive, random);
+  }
   std::vector<Told> Tell() {
     std::vector<Told> told;
     for (SegmentId id = 0; id < kSegments; ++id) {

@@ -1,5 +1,6 @@
 // A wrong pose given as right is the worst that can happen: chance must not pass for evidence, and
 // truth with little of it must.
+#include <algorithm>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -161,6 +162,8 @@ TEST(Trust, ACameraAtInfinityIsNotBelieved) {
   Rigid3 far = made.camera_from_map;
   far.translation = Eigen::Vector3d(0, 0, 1e5);
   const RefinedPose refined = RefinePose(made.problem, far, {});
+  ASSERT_EQ(std::count(refined.point_inliers.begin(), refined.point_inliers.end(), 1), 60)
+      << "else there is nothing to disbelieve";
   ConfidenceOptions confidence;
   EXPECT_LT(PoseConfidence(made.problem, refined, confidence), 0.9);
 }
