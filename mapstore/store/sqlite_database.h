@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "mapstore/base/status.h"
@@ -64,6 +65,16 @@ class SqliteStatement {
   Result<bool> Step();
   // For statements without rows.
   Status Run();
+  // All rows that are left, each as `at(*this)` reads it.
+  template <typename At>
+  auto Collect(const At& at) -> Result<std::vector<std::invoke_result_t<At, SqliteStatement&>>> {
+    std::vector<std::invoke_result_t<At, SqliteStatement&>> rows;
+    while (true) {
+      MAPLOC_ASSIGN_OR_RETURN(const bool row, Step());
+      if (!row) return rows;
+      rows.push_back(at(*this));
+    }
+  }
 
   // Columns count from 0. REQUIRES: Step gave a row.
   bool IsNull(int column) const;

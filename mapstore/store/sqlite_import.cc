@@ -1,6 +1,5 @@
 #include "mapstore/store/sqlite_import.h"
 
-#include <optional>
 #include <vector>
 
 #include "mapstore/store/codec.h"
@@ -229,12 +228,7 @@ class SqliteMapWriter : public MapWriter {
 Result<std::vector<std::int64_t>> UnpublishedMaps(SqliteConnections& connections) {
   MAPLOC_ASSIGN_OR_RETURN(auto reader, connections.Read());
   SqliteStatement statement(reader.database(), "SELECT id FROM map_versions WHERE state = 0");
-  std::vector<std::int64_t> maps;
-  while (true) {
-    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
-    if (!row) return maps;
-    maps.push_back(statement.Int(0));
-  }
+  return statement.Collect([](const SqliteStatement& row) { return row.Int(0); });
 }
 
 }  // namespace

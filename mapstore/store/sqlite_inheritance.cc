@@ -5,13 +5,8 @@
 namespace maploc {
 namespace {
 
-Result<std::vector<Inheritance>> Collect(SqliteStatement& statement) {
-  std::vector<Inheritance> shares;
-  while (true) {
-    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
-    if (!row) return shares;
-    shares.push_back({statement.Int(0), statement.Int32(1), statement.Int32(2), statement.Real(3)});
-  }
+Inheritance ShareAt(const SqliteStatement& row) {
+  return {row.Int(0), row.Int32(1), row.Int32(2), row.Real(3)};
 }
 
 // What SharesBehind chooses of a version's shares, without reading them all. CROSS JOIN keeps
@@ -24,7 +19,7 @@ Result<std::vector<Inheritance>> ReadSharesBehind(SqliteDatabase& database, std:
                             "USING (map, source_map, source_segment) "
                             "WHERE own.map = ?1 AND own.segment = ?2 "
                             "ORDER BY i.segment, i.source_map, i.source_segment");
-  return Collect(statement.Bind(map, id));
+  return statement.Bind(map, id).Collect(ShareAt);
 }
 
 }  // namespace
@@ -33,7 +28,7 @@ Result<std::vector<Inheritance>> ReadInheritance(SqliteDatabase& database, std::
   SqliteStatement statement(database,
                             "SELECT source_map, source_segment, segment, weight FROM inheritance "
                             "WHERE map = ?1 ORDER BY segment, source_map, source_segment");
-  return Collect(statement.Bind(map));
+  return statement.Bind(map).Collect(ShareAt);
 }
 
 Status InsertInheritance(SqliteDatabase& database, std::int64_t map, const Inheritance& share) {
@@ -48,13 +43,8 @@ Result<std::vector<std::pair<std::int64_t, SegmentId>>> ReadHeirs(SqliteDatabase
   SqliteStatement statement(database,
                             "SELECT map, segment FROM inheritance WHERE source_map = ?1 AND "
                             "source_segment = ?2 ORDER BY map, segment");
-  statement.Bind(map, id);
-  std::vector<std::pair<std::int64_t, SegmentId>> heirs;
-  while (true) {
-    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
-    if (!row) return heirs;
-    heirs.emplace_back(statement.Int(0), statement.Int32(1));
-  }
+  return statement.Bind(map, id).Collect(
+      [](const SqliteStatement& row) { return std::pair(row.Int(0), row.Int32(1)); });
 }
 
 Result<std::vector<TrueRow>> ReadTrueRows(SqliteDatabase& database, std::int64_t map,

@@ -92,12 +92,7 @@ Result<std::shared_ptr<const Segment>> DecodeSegment(SqliteDatabase& database, c
 
 Result<std::vector<StoredMap>> ReadAllMaps(SqliteDatabase& database) {
   SqliteStatement statement(database, SelectMaps("ORDER BY name, version"));
-  std::vector<StoredMap> maps;
-  while (true) {
-    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
-    if (!row) return maps;
-    maps.push_back(MapAt(statement));
-  }
+  return statement.Collect(MapAt);
 }
 
 Result<StoredMap> ReadNewestMap(SqliteDatabase& database, const std::string& name) {

@@ -65,6 +65,11 @@ Status InsertObservation(SqliteStatement& insert, const SessionId& id, const Obs
       .Run();
 }
 
+SessionSummary::SegmentChange ChangeAt(const SqliteStatement& row) {
+  return {row.Int32(0), row.Int(1), row.Int(2), static_cast<Strategy>(row.Int(3)),
+          static_cast<Strategy>(row.Int(4))};
+}
+
 constexpr std::string_view kRowColumns =
     "r.session, s.start_unix_ns, r.segment, r.queries, r.localized, r.point_matches, "
     "r.point_inliers, r.usable_line_matches, r.usable_line_inliers, r.vertical_line_matches, "
@@ -159,14 +164,8 @@ Result<SessionSummary> ReadSummary(SqliteDatabase& database, const Session& sess
   SqliteStatement changes(database,
                           "SELECT segment, queries, localized, strategy_before, strategy_after "
                           "FROM segment_sessions WHERE session = ?1 ORDER BY segment");
-  changes.Bind(session.id);
-  while (true) {
-    MAPLOC_ASSIGN_OR_RETURN(const bool row, changes.Step());
-    if (!row) return summary;
-    summary.segments.push_back({changes.Int32(0), changes.Int(1), changes.Int(2),
-                                static_cast<Strategy>(changes.Int(3)),
-                                static_cast<Strategy>(changes.Int(4))});
-  }
+  MAPLOC_ASSIGN_OR_RETURN(summary.segments, changes.Bind(session.id).Collect(ChangeAt));
+  return summary;
 }
 
 Status InsertObservations(SqliteDatabase& database, const StoredMap& map, const SessionId& id,
@@ -195,13 +194,7 @@ Result<std::vector<Observation>> ReadObservations(SqliteDatabase& database, cons
       "usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back, "
       "iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns "
       "FROM observations WHERE session = ?1 ORDER BY sequence");
-  statement.Bind(id);
-  std::vector<Observation> observations;
-  while (true) {
-    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
-    if (!row) return observations;
-    observations.push_back(ObservationAt(statement));
-  }
+  return statement.Bind(id).Collect(ObservationAt);
 }
 
 Status InsertRow(SqliteDatabase& database, std::int64_t map, const SegmentSessionRow& row,
@@ -239,14 +232,9 @@ Result<std::vector<TrueRow>> ReadRows(SqliteDatabase& database, std::int64_t map
                                 "FROM segment_sessions r JOIN sessions s ON s.id = r.session "
                                 "WHERE r.map = ?1 AND r.segment = ?2 AND s.revoked = 0 "
                                 "ORDER BY s.start_unix_ns, s.id");
-  statement.Bind(map, id);
-  std::vector<TrueRow> rows;
-  while (true) {
-    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
-    if (!row) return rows;
-    rows.push_back({RowAt(statement), map, statement.Int(kRowColumnCount),
-                    statement.Int(kRowColumnCount + 1)});
-  }
+  return statement.Bind(map, id).Collect([map](const SqliteStatement& row) {
+    return TrueRow{RowAt(row), map, row.Int(kRowColumnCount), row.Int(kRowColumnCount + 1)};
+  });
 }
 
 Result<std::vector<SegmentSessionRow>> ReadRowsOfSession(SqliteDatabase& database,
@@ -255,13 +243,7 @@ Result<std::vector<SegmentSessionRow>> ReadRowsOfSession(SqliteDatabase& databas
                             "SELECT " + std::string(kRowColumns) +
                                 " FROM segment_sessions r JOIN sessions s ON s.id = r.session "
                                 "WHERE r.session = ?1 ORDER BY r.segment");
-  statement.Bind(id);
-  std::vector<SegmentSessionRow> rows;
-  while (true) {
-    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
-    if (!row) return rows;
-    rows.push_back(RowAt(statement));
-  }
+  return statement.Bind(id).Collect(RowAt);
 }
 
 }  // namespace maploc

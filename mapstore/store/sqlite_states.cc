@@ -142,12 +142,8 @@ Result<std::vector<std::pair<std::int64_t, SegmentId>>> SegmentsWithTruth(
                             "SELECT map, segment FROM segment_sessions UNION "
                             "SELECT map, segment FROM pins UNION "
                             "SELECT map, segment FROM inheritance ORDER BY 1, 2");
-  std::vector<std::pair<std::int64_t, SegmentId>> segments;
-  while (true) {
-    MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
-    if (!row) return segments;
-    segments.emplace_back(statement.Int(0), statement.Int32(1));
-  }
+  return statement.Collect(
+      [](const SqliteStatement& row) { return std::pair(row.Int(0), row.Int32(1)); });
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <iostream>
 #include <numbers>
-#include <utility>
 
 #include <unistd.h>
 

@@ -2,9 +2,7 @@
 // they ended nor on what was revoked on the way (mapstore/store/map_store.h).
 #include "tests/contract/store/learning_contract.h"
 
-#include <algorithm>
 #include <set>
-#include <utility>
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,5 @@
 #include "mapstore/store/codec.h"
 
-#include <cmath>
 #include <limits>
 
 #include <gmock/gmock.h>
