@@ -14,6 +14,8 @@ namespace maploc {
 namespace {
 
 constexpr int kWaitingAWorker = 8;
+// NOT_SERVING is on its way to them; they do not end by themselves.
+constexpr std::chrono::milliseconds kTimeOfWatchers{200};
 
 int Workers(const ServerOptions& options) {
   if (options.workers > 0) return options.workers;
@@ -110,8 +112,8 @@ Status Server::Shutdown() {
   if (grpc_server_ != nullptr) {
     grpc_server_->GetHealthCheckService()->SetServingStatus(false);
     if (!services_->Drain(deadline)) spdlog::warn("some requests are cut off unfinished");
-    // Nothing of ours runs any more; what is left are watchers of the health.
-    grpc_server_->Shutdown(std::chrono::system_clock::now());
+    // Nothing of ours runs any more; what is left are watchers of the health, who are to hear it.
+    grpc_server_->Shutdown(std::chrono::system_clock::now() + kTimeOfWatchers);
     grpc_server_->Wait();
   }
   const Status status = sessions_ != nullptr ? sessions_->Shutdown() : Status::Ok();
