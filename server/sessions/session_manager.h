@@ -30,7 +30,7 @@ namespace maploc {
 
 struct SessionManagerOptions {
   // How long an answered query may be lost by a crash (a clean stop loses none).
-  std::chrono::milliseconds flush_interval{250};
+  std::chrono::milliseconds flush_interval{100};
   // A session without queries for this long is ended as kIdle; zero: never.
   std::chrono::milliseconds idle_timeout{std::chrono::minutes(30)};
   std::size_t max_open_sessions = 10000;
