@@ -76,8 +76,7 @@ TEST_F(ClientRetryTest, ItGivesUp) {
   front_.to_refuse = 100;
   front_.pushback_ms = 1;
   EXPECT_EQ(lossy_.Localize(QueryAt(2.0)).status().reason(), "QUEUE_FULL");
-  EXPECT_LE(front_.calls, ClientOptions().max_attempts);
-  EXPECT_GT(front_.calls, 1);
+  EXPECT_EQ(front_.calls, ClientOptions().max_attempts);
 }
 
 }  // namespace

@@ -34,8 +34,6 @@ RefineOptions Mode(Refinement mode) {
   return options;
 }
 
-// The solver stops where residuals change by a thousandth of a pixel, 1e-5 m here; the last step is
-// far shorter than that.
 TEST(RefinePose, FindsTheExactPoseWithoutNoise) {
   Random random = TestRandom();
   for (const Refinement mode : {Refinement::kAuto, Refinement::k4Dof, Refinement::k6Dof}) {
@@ -47,8 +45,8 @@ TEST(RefinePose, FindsTheExactPoseWithoutNoise) {
           RefinePose(made.problem, Disturbed(made.camera_from_map, random), Mode(mode));
       ASSERT_TRUE(refined.converged);
       const PoseError error = ComparePoses(refined.camera_from_map, made.camera_from_map);
-      EXPECT_LT(error.rotation_rad, 1e-6) << RefinementName(mode);
-      EXPECT_LT(error.position, 1e-6);
+      EXPECT_LT(error.rotation_rad, 1e-7) << RefinementName(mode);
+      EXPECT_LT(error.position, 1e-7);
     }
   }
 }
