@@ -7,8 +7,17 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/forwarding_store.h"
+#include "tests/support/seed.h"
+#include "tests/support/stored_world.h"
 
 namespace maploc::testing {
+
+// A map of few landmarks, drawn with the test's seed.
+inline MapKey GiveTinyWorld(MapStore* store) {
+  DrawnWorldOptions tiny;
+  tiny.points_a_metre = 1;
+  return ImportWorld(DrawnWorld(TestRandom(), tiny), store);
+}
 
 enum class After { kSessions, kSegments, kSegment };
 

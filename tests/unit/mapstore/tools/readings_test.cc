@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "mapstore/store/in_memory_store.h"
-#include "tests/support/seed.h"
-#include "tests/support/stored_world.h"
 #include "tests/unit/mapstore/tools/busy_store.h"
 
 namespace maploc {
@@ -16,14 +14,8 @@ using testing::StoreOfABusyServer;
 
 class ReadingsTest : public ::testing::Test {
  protected:
-  ReadingsTest() {
-    testing::DrawnWorldOptions tiny;
-    tiny.points_a_metre = 1;
-    key_ = testing::ImportWorld(testing::DrawnWorld(testing::TestRandom(), tiny), store_.get());
-  }
-
   const std::unique_ptr<MapStore> store_ = NewInMemoryStore();
-  MapKey key_;
+  const MapKey key_ = testing::GiveTinyWorld(store_.get());
 };
 
 TEST_F(ReadingsTest, AnExplanationAndItsHistoryTellOfOneState) {

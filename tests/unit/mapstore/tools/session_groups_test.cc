@@ -5,8 +5,6 @@
 
 #include "mapstore/store/in_memory_store.h"
 #include "tests/support/forwarding_store.h"
-#include "tests/support/seed.h"
-#include "tests/support/stored_world.h"
 #include "tests/unit/mapstore/tools/busy_store.h"
 
 namespace maploc {
@@ -29,15 +27,9 @@ class DamagedStore final : public testing::ForwardingStore {
 
 class SessionGroupsTest : public ::testing::TestWithParam<After> {
  protected:
-  SessionGroupsTest() {
-    testing::DrawnWorldOptions tiny;
-    tiny.points_a_metre = 1;
-    key_ = testing::ImportWorld(testing::DrawnWorld(testing::TestRandom(), tiny), store_.get());
-  }
-
   const std::unique_ptr<MapStore> store_ = NewInMemoryStore();
   const GroupOptions recompute_ = {{}, "", true};
-  MapKey key_;
+  const MapKey key_ = testing::GiveTinyWorld(store_.get());
 };
 
 INSTANTIATE_TEST_SUITE_P(AfterEachRead, SessionGroupsTest,

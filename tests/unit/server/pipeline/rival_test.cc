@@ -1,5 +1,6 @@
 #include "server/pipeline/rival.h"
 
+#include <functional>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -37,31 +38,41 @@ Judged Judge(const PoseProblem& problem, std::uint64_t seed) {
           JudgePose(problem, pose, camera, judge).outcome == Outcome::kLocalized};
 }
 
+struct Counts {
+  int beyond_chance = 0;
+  int localized = 0;
+};
+
+// `make` is called with 0, 1, ... problems - 1.
+Counts JudgeAll(int problems, Random& random, const std::function<PoseProblem(int)>& make) {
+  Counts counts;
+  for (int i = 0; i < problems; ++i) {
+    const PoseProblem problem = make(i);
+    const Judged judged = Judge(problem, random.Next());
+    counts.beyond_chance += judged.beyond_chance ? 1 : 0;
+    counts.localized += judged.localized ? 1 : 0;
+  }
+  return counts;
+}
+
 // Wrong matches of a pattern in depth agree with a pose by no chance, and have no truth in them.
 TEST(Rival, DoorsAlongACorridorAreNotBelieved) {
   Random random = TestRandom();
-  int beyond_chance = 0;
-  int localized = 0;
-  for (int i = 0; i < 360; ++i) {
+  const Counts counts = JudgeAll(360, random, [&](int i) {
     RepeatedCorridorOptions options;
     options.walls = 1 + i % 2;
     options.spots = i % 3 == 0 ? 3 : i % 3 == 1 ? 6 : 12;
     options.doors = 6 + 2 * (i / 6 % 3);
-    const PoseProblem problem = MakeRepeatedCorridor(options, random);
-    const Judged judged = Judge(problem, random.Next());
-    beyond_chance += judged.beyond_chance ? 1 : 0;
-    localized += judged.localized ? 1 : 0;
-  }
-  EXPECT_GT(beyond_chance, 30) << "else the corridors test nothing";
-  EXPECT_LE(localized, beyond_chance / 10) << "of 360";
+    return MakeRepeatedCorridor(options, random);
+  });
+  EXPECT_GT(counts.beyond_chance, 30) << "else the corridors test nothing";
+  EXPECT_LE(counts.localized, counts.beyond_chance / 10) << "of 360";
 }
 
 // What is left over under the true pose is wrong in many ways, and holds no other.
 TEST(Rival, TruthHasNone) {
   Random random = TestRandom();
-  int told = 0;
-  int kept = 0;
-  for (int i = 0; i < 150; ++i) {
+  const Counts counts = JudgeAll(150, random, [&](int i) {
     SyntheticOptions options;
     options.scene = i % 2 == 0 ? Scene::kCube : Scene::kCorridor;
     options.outliers = i % 4 < 2 ? Outliers::kRandomPixels : Outliers::kWrongAssociations;
@@ -70,13 +81,10 @@ TEST(Rival, TruthHasNone) {
     options.line_inliers = i % 3 == 0 ? 0 : 10;
     options.line_outliers = i % 3 == 0 ? 0 : 20;
     options.gravity_noise_rad = options.gravity_sigma_rad = 1.0 * kDegree;
-    const SyntheticProblem made = MakeSyntheticProblem(options, random);
-    const Judged judged = Judge(made.problem, random.Next());
-    told += judged.beyond_chance ? 1 : 0;
-    kept += judged.localized ? 1 : 0;
-  }
-  EXPECT_GT(told, 120);
-  EXPECT_GE(kept, told - told / 50);
+    return MakeSyntheticProblem(options, random).problem;
+  });
+  EXPECT_GT(counts.beyond_chance, 120);
+  EXPECT_GE(counts.localized, counts.beyond_chance - counts.beyond_chance / 50);
 }
 
 TEST(Rival, NeedsSomethingLeftOver) {
