@@ -17,29 +17,25 @@ constexpr std::uint64_t kSeed = 1;
 // log10 of a rival's false alarms: it is suspected long before it would be believed itself.
 constexpr double kMaxLogAlarms = 3.0;
 
-int CountSet(const std::vector<std::uint8_t>& flags) {
-  return static_cast<int>(std::count(flags.begin(), flags.end(), 1));
-}
-
 template <typename Correspondence>
-std::vector<Correspondence> Flagged(const std::vector<Correspondence>& features,
-                                    const std::vector<std::uint8_t>& flags, std::uint8_t value) {
-  std::vector<Correspondence> kept;
+std::vector<Correspondence> Outliers(const std::vector<Correspondence>& features,
+                                     const std::vector<std::uint8_t>& inliers) {
+  std::vector<Correspondence> outliers;
   for (std::size_t i = 0; i < features.size(); ++i) {
-    if (flags[i] == value) kept.push_back(features[i]);
+    if (inliers[i] == 0) outliers.push_back(features[i]);
   }
-  return kept;
+  return outliers;
 }
 
-// The problem with the features alone whose flag under `pose` is `value`.
-PoseProblem Part(const PoseProblem& problem, const RefinedPose& pose, std::uint8_t value) {
+// The problem with the features alone that do not agree with `pose`.
+PoseProblem LeftOver(const PoseProblem& problem, const RefinedPose& pose) {
   PoseProblem part;
   part.focal_length_px = problem.focal_length_px;
   part.gravity_in_camera = problem.gravity_in_camera;
   part.gravity_sigma_rad = problem.gravity_sigma_rad;
   part.has_gravity = problem.has_gravity;
-  part.points = Flagged(problem.points, pose.point_inliers, value);
-  part.lines = Flagged(problem.lines, pose.line_inliers, value);
+  part.points = Outliers(problem.points, pose.point_inliers);
+  part.lines = Outliers(problem.lines, pose.line_inliers);
   return part;
 }
 
@@ -72,14 +68,12 @@ std::optional<RefinedPose> BestPose(const PoseProblem& problem, double max_repro
 
 bool HasRival(const PoseProblem& problem, const RefinedPose& pose,
               const ConfidenceOptions& options) {
-  const int inliers = CountSet(pose.point_inliers) + CountSet(pose.line_inliers);
-  const int needed = std::max(kLeastRival, static_cast<int>(std::ceil(kRivalShare * inliers)));
-  const PoseProblem left_over = Part(problem, pose, 0);
-  if (static_cast<int>(left_over.points.size() + left_over.lines.size()) < needed) return false;
+  const double share = kRivalShare * static_cast<double>(pose.InlierCount());
+  const std::size_t needed = std::max(kLeastRival, static_cast<std::size_t>(std::ceil(share)));
+  const PoseProblem left_over = LeftOver(problem, pose);
+  if (left_over.points.size() + left_over.lines.size() < needed) return false;
   const std::optional<RefinedPose> rival = BestPose(left_over, options.max_reprojection_error_px);
-  if (!rival || CountSet(rival->point_inliers) + CountSet(rival->line_inliers) < needed) {
-    return false;
-  }
+  if (!rival || rival->InlierCount() < needed) return false;
   if (IsSamePose(problem, pose, *rival)) return false;
   ConfidenceOptions chance = options;
   chance.iterations = kRivalIterations;

@@ -6,6 +6,8 @@
 // left over under the true pose is wrong in many ways.
 #pragma once
 
+#include <cstddef>
+
 #include "mapstore/model/matches.h"
 #include "server/refinement/confidence.h"
 #include "server/refinement/refine.h"
@@ -22,7 +24,7 @@ bool HasRival(const PoseProblem& problem, const RefinedPose& pose,
               const ConfidenceOptions& options);
 
 inline constexpr double kRivalShare = 0.4;
-inline constexpr int kLeastRival = 5;
+inline constexpr std::size_t kLeastRival = 5;
 inline constexpr int kRivalIterations = 500;
 
 }  // namespace maploc

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "mapstore/base/median.h"
 #include "server/refinement/covariance.h"
 #include "server/solvers/reprojection.h"
 
@@ -111,10 +113,7 @@ double MedianInlierDepth(const PoseProblem& problem, const RefinedPose& pose) {
     depths.push_back(0.5 *
                      (std::max(depth(segment.start), 0.0) + std::max(depth(segment.end), 0.0)));
   }
-  if (depths.empty()) return 0.0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return depths.empty() ? 0.0 : UpperMedian(std::move(depths));
 }
 
 bool IsDetermined(const PoseProblem& problem, const RefinedPose& pose,
