@@ -8,12 +8,12 @@
 
 #include "mapstore/base/random.h"
 #include "server/pipeline/body_pose.h"
-#include "server/pipeline/judge.h"
 #include "server/pipeline/stopwatch.h"
 #include "server/ransac/estimator.h"
 #include "server/ransac/stopping.h"
-#include "server/refinement/gravity_check.h"
 #include "server/refinement/refine.h"
+#include "server/trust/gravity_check.h"
+#include "server/trust/judge.h"
 
 namespace maploc {
 namespace {

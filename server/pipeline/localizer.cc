@@ -10,11 +10,11 @@
 #include "server/pipeline/attempt.h"
 #include "server/pipeline/interrupt.h"
 #include "server/pipeline/joint_segment.h"
-#include "server/pipeline/judge.h"
 #include "server/pipeline/query_check.h"
 #include "server/pipeline/stopwatch.h"
 #include "server/refinement/refine.h"
 #include "server/retrieval/ranking.h"
+#include "server/trust/judge.h"
 
 namespace maploc {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "server/refinement/confidence.h"
 #include "server/refinement/refine.h"
+#include "server/trust/confidence.h"
 #include "tests/support/synthetic_problem.h"
 
 namespace maploc::testing {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "server/pipeline/attempt.h"
-#include "server/refinement/gravity_check.h"
 #include "server/refinement/refine.h"
+#include "server/trust/gravity_check.h"
 
 namespace maploc::experiments {
 namespace {

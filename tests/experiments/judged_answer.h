@@ -7,8 +7,8 @@
 
 #include "mapstore/model/matches.h"
 #include "mapstore/model/strategy.h"
-#include "server/pipeline/judge.h"
 #include "server/ransac/estimator.h"
+#include "server/trust/judge.h"
 #include "tests/experiments/experiment.h"
 
 namespace maploc::experiments {

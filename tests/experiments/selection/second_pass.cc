@@ -4,8 +4,8 @@
 #include <array>
 
 #include "mapstore/base/random.h"
-#include "server/pipeline/judge.h"
 #include "server/ransac/stopping.h"
+#include "server/trust/judge.h"
 #include "tests/experiments/methods/cpu_timer.h"
 
 namespace maploc::selection {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "server/ransac/estimator.h"
-#include "server/refinement/confidence.h"
+#include "server/trust/confidence.h"
 #include "tests/support/moved_signs.h"
 #include "tests/support/repeated_pattern.h"
 #include "tests/support/seed.h"

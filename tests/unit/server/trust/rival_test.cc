@@ -1,13 +1,13 @@
-#include "server/pipeline/rival.h"
+#include "server/trust/rival.h"
 
 #include <functional>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "server/pipeline/judge.h"
 #include "server/ransac/estimator.h"
-#include "server/refinement/confidence.h"
+#include "server/trust/confidence.h"
+#include "server/trust/judge.h"
 #include "tests/support/repeated_pattern.h"
 #include "tests/support/seed.h"
 #include "tests/support/synthetic_problem.h"

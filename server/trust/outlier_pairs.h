@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/refinement/chance.h"
+#include "server/trust/chance.h"
 
 namespace maploc {
 

@@ -1,4 +1,4 @@
-#include "server/refinement/gravity_check.h"
+#include "server/trust/gravity_check.h"
 
 #include <algorithm>
 #include <cstddef>

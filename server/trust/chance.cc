@@ -1,4 +1,4 @@
-#include "server/refinement/chance.h"
+#include "server/trust/chance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-#include "server/refinement/clumps.h"
-#include "server/refinement/outlier_pairs.h"
+#include "server/trust/clumps.h"
+#include "server/trust/outlier_pairs.h"
 
 namespace maploc {
 namespace {

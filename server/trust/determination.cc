@@ -1,4 +1,4 @@
-#include "server/refinement/determination.h"
+#include "server/trust/determination.h"
 
 #include <algorithm>
 #include <cmath>

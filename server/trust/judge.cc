@@ -1,8 +1,8 @@
-#include "server/pipeline/judge.h"
+#include "server/trust/judge.h"
 
 #include "mapstore/geometry/line.h"
-#include "server/pipeline/rival.h"
-#include "server/refinement/confidence.h"
+#include "server/trust/confidence.h"
+#include "server/trust/rival.h"
 
 namespace maploc {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <Eigen/Geometry>
 
-#include "server/refinement/chance.h"
-#include "server/refinement/outlier_pairs.h"
+#include "server/trust/chance.h"
+#include "server/trust/outlier_pairs.h"
 
 namespace maploc {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/refinement/confidence.h"
+#include "server/trust/confidence.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <numbers>
 #include <vector>
 
-#include "server/refinement/chance.h"
-#include "server/refinement/determination.h"
+#include "server/trust/chance.h"
+#include "server/trust/determination.h"
 
 namespace maploc {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/pipeline/rival.h"
+#include "server/trust/rival.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "server/ransac/estimator.h"
-#include "server/refinement/determination.h"
 #include "server/solvers/reprojection.h"
+#include "server/trust/determination.h"
 
 namespace maploc {
 namespace {

@@ -1,5 +1,5 @@
 // True inliers in the wrong places do not make a pose.
-#include "server/refinement/determination.h"
+#include "server/trust/determination.h"
 
 #include <numbers>
 

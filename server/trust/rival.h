@@ -9,8 +9,8 @@
 #include <cstddef>
 
 #include "mapstore/model/matches.h"
-#include "server/refinement/confidence.h"
 #include "server/refinement/refine.h"
+#include "server/trust/confidence.h"
 
 namespace maploc {
 

@@ -1,4 +1,4 @@
-#include "server/refinement/clumps.h"
+#include "server/trust/clumps.h"
 
 #include <gtest/gtest.h>
 

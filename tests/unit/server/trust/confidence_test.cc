@@ -1,8 +1,8 @@
-#include "server/refinement/confidence.h"
+#include "server/trust/confidence.h"
 
 #include <gtest/gtest.h>
 
-#include "server/refinement/chance.h"
+#include "server/trust/chance.h"
 #include "tests/support/seed.h"
 #include "tests/support/synthetic_problem.h"
 
