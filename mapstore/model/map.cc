@@ -1,6 +1,8 @@
 #include "mapstore/model/map.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <string>
 
 namespace maploc {
@@ -44,6 +46,47 @@ Status ValidateDescriptors(std::string_view field, const DescriptorKind& kind, i
   return Status::Ok();
 }
 
+bool IsValid(const ViewingRange& range) {
+  constexpr float kMaxNormError = 1e-3f;  // of a unit vector that was rounded
+  const Eigen::Vector3f& toward = range.toward_cameras_in_map;
+  const bool is_direction =
+      !range.IsKnown() || std::abs(toward.norm() - 1.0f) <= kMaxNormError;  // NaN: neither
+  return is_direction && range.max_angle_rad >= 0 &&
+         range.max_angle_rad <= std::numbers::pi_v<float> && range.min_distance >= 0 &&
+         range.min_distance <= range.max_distance && std::isfinite(range.max_distance);
+}
+
+bool IsValid(const PositionCovariance& covariance) {
+  return std::all_of(covariance.begin(), covariance.end(),
+                     [](float c) { return std::isfinite(c); }) &&
+         covariance[0] >= 0 && covariance[3] >= 0 && covariance[5] >= 0;
+}
+
+// `values` are one a landmark, or none.
+template <typename Value>
+Status ValidateIfKnown(std::string_view field, std::string_view rule, std::size_t landmark_count,
+                       const std::vector<Value>& values) {
+  if (!values.empty() && values.size() != landmark_count) {
+    return InvalidArgument(std::string(field), "their count differs from the ids'");
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!IsValid(values[i])) return InvalidArgument(At(field, i), std::string(rule));
+  }
+  return Status::Ok();
+}
+
+Status ValidateViews(const Segment& segment) {
+  constexpr std::string_view kRange =
+      "must be a unit direction or zero, an angle in [0, pi] and finite distances that ascend";
+  const PointLandmarks& points = segment.points;
+  MAPLOC_RETURN_IF_ERROR(
+      ValidateIfKnown("points.viewing", kRange, points.ids.size(), points.viewing));
+  MAPLOC_RETURN_IF_ERROR(ValidateIfKnown("points.position_covariances",
+                                         "must be finite with a diagonal of at least 0",
+                                         points.ids.size(), points.position_covariances));
+  return ValidateIfKnown("lines.viewing", kRange, segment.lines.ids.size(), segment.lines.viewing);
+}
+
 }  // namespace
 
 int CountUsableLines(const LineLandmarks& lines) {
@@ -73,6 +116,7 @@ Status ValidateSegment(const MapInfo& map, const Segment& segment) {
       return InvalidArgument(At("lines.segments_in_map", i), "must be finite and have a length");
     }
   }
+  MAPLOC_RETURN_IF_ERROR(ValidateViews(segment));
   MAPLOC_RETURN_IF_ERROR(ValidateDescriptors("points", map.point_descriptor, points.size(),
                                              points.descriptors, points.descriptor_landmark));
   return ValidateDescriptors("lines", map.line_descriptor, lines.size(), lines.descriptors,

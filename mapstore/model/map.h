@@ -12,6 +12,7 @@
 #include "mapstore/geometry/line.h"
 #include "mapstore/geometry/rigid3.h"
 #include "mapstore/model/descriptor.h"
+#include "mapstore/model/viewing.h"
 
 namespace maploc {
 
@@ -30,6 +31,9 @@ struct MapInfo {
 struct PointLandmarks {
   std::vector<LandmarkId> ids;                    // ascending, unique
   std::vector<Eigen::Vector3d> positions_in_map;  // one a landmark
+  // One a landmark, or empty: not known (maps made before the store's schema version 5).
+  std::vector<ViewingRange> viewing;
+  std::vector<PositionCovariance> position_covariances;  // one a landmark, or empty: not known
   Descriptors descriptors;
   std::vector<std::int32_t> descriptor_landmark;  // one a descriptor row: index into ids; ascending
 
@@ -39,6 +43,7 @@ struct PointLandmarks {
 struct LineLandmarks {
   std::vector<LandmarkId> ids;                // ascending, unique
   std::vector<LineSegment3> segments_in_map;  // one a landmark; the end points bound what was seen
+  std::vector<ViewingRange> viewing;          // as a point's; of the segment's middle
   Descriptors descriptors;
   std::vector<std::int32_t> descriptor_landmark;
 

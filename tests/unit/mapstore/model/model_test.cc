@@ -101,6 +101,39 @@ TEST_F(SegmentTest, NamesTheFieldThatIsWrong) {
   ExpectRefused("lines.segments_in_map[0]");
 }
 
+TEST_F(SegmentTest, WhereLandmarksWereSeenMayBeKnownOrNot) {
+  segment_.points.viewing = {ViewingRange{}, {{0, 0.6f, 0.8f}, 0.5f, 1, 2}};
+  segment_.points.position_covariances = {PositionCovariance{}, {1, -1, 0, 2, 0, 3}};
+  segment_.lines.viewing = {{{1, 0, 0}, 0, 0, 0}, ViewingRange{}};
+  EXPECT_TRUE(ValidateSegment(map_, segment_).ok());
+}
+
+TEST_F(SegmentTest, NamesTheViewThatIsWrong) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const auto expect_refused = [this](const ViewingRange& range) {
+    segment_.points.viewing = {ViewingRange{}, range};
+    ExpectRefused("points.viewing[1]");
+  };
+  expect_refused({{0, 0, 0.9f}, 0.5f, 1, 2});
+  expect_refused({{kNan, 0, 1}, 0.5f, 1, 2});
+  expect_refused({{0, 0, 1}, -0.1f, 1, 2});
+  expect_refused({{0, 0, 1}, 3.2f, 1, 2});
+  expect_refused({{0, 0, 1}, kNan, 1, 2});
+  expect_refused({{0, 0, 1}, 0.5f, -1, 2});
+  expect_refused({{0, 0, 1}, 0.5f, 3, 2});
+  expect_refused({{0, 0, 1}, 0.5f, 1, std::numeric_limits<float>::infinity()});
+  segment_.points.viewing = {ViewingRange{}};
+  ExpectRefused("points.viewing");
+  segment_.points.viewing.clear();
+  segment_.lines.viewing = {{{0, 0, 2}, 0, 0, 0}, ViewingRange{}};
+  ExpectRefused("lines.viewing[0]");
+  segment_.lines.viewing.clear();
+  segment_.points.position_covariances = {PositionCovariance{}, {1, 0, 0, -1, 0, 1}};
+  ExpectRefused("points.position_covariances[1]");
+  segment_.points.position_covariances = {{1, kNan, 0, 1, 0, 1}, PositionCovariance{}};
+  ExpectRefused("points.position_covariances[0]");
+}
+
 TEST(StrategyTest, VerticalLinesAreDrawnWhereTheyHelp) {
   EXPECT_TRUE(DrawsVerticalLines(Strategy::kMixed, 30, 31));
   EXPECT_FALSE(DrawsVerticalLines(Strategy::kMixed, 30, 30));
