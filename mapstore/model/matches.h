@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "mapstore/geometry/line.h"
+#include "mapstore/model/viewing.h"
 
 namespace maploc {
 
@@ -28,7 +29,9 @@ struct Matches {
 struct PointCorrespondence {
   Eigen::Vector2d normalized = Eigen::Vector2d::Zero();
   Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
-  double ratio = 1.0;  // FeatureMatch::ratio
+  double ratio = 1.0;                        // FeatureMatch::ratio
+  PositionCovariance position_covariance{};  // of the landmark; all zero: not known
+  ViewingRange viewing;                      // of the landmark
 };
 
 // A segment seen between two normalized end points; they need not be the images of the map
@@ -37,6 +40,7 @@ struct LineCorrespondence {
   LineSegment2 normalized;
   LineSegment3 segment_in_map;
   double ratio = 1.0;
+  ViewingRange viewing;  // of the landmark
 };
 
 // What the estimator works on. Errors in the plane z = 1 times focal_length_px are pixels.
