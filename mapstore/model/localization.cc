@@ -16,12 +16,14 @@ std::string_view OutcomeName(Outcome outcome) {
       return "GRAVITY_INCONSISTENT";
     case Outcome::kOutOfMap:
       return "OUT_OF_MAP";
+    case Outcome::kCalibrationInconsistent:
+      return "CALIBRATION_INCONSISTENT";
   }
   return "UNKNOWN";
 }
 
 std::optional<Outcome> OutcomeFromName(std::string_view name) {
-  for (int i = 1; i <= 6; ++i) {
+  for (int i = 1; i <= 7; ++i) {
     if (OutcomeName(static_cast<Outcome>(i)) == name) return static_cast<Outcome>(i);
   }
   return std::nullopt;

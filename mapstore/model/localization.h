@@ -21,10 +21,11 @@ namespace maploc {
 enum class Outcome {
   kLocalized = 1,
   kTooFewMatches = 2,
-  kNoConsensus = 3,          // no hypothesis gathered more support than chance
-  kLowConfidence = 4,        // a pose was found but its evidence is too weak to be trusted
-  kGravityInconsistent = 5,  // the pose contradicts the gravity that was sent
-  kOutOfMap = 6,             // no segment could be near
+  kNoConsensus = 3,              // no hypothesis gathered more support than chance
+  kLowConfidence = 4,            // a pose was found but its evidence is too weak to be trusted
+  kGravityInconsistent = 5,      // the pose contradicts the gravity that was sent
+  kOutOfMap = 6,                 // no segment could be near
+  kCalibrationInconsistent = 7,  // the matches contradict the camera's calibration that was sent
 };
 
 std::string_view OutcomeName(Outcome outcome);  // "LOCALIZED", "TOO_FEW_MATCHES", ...
@@ -40,6 +41,13 @@ struct FeatureCounts {
   bool operator==(const FeatureCounts&) const = default;
 };
 
+// True focal length over the one that was sent.
+struct FocalScale {
+  double scale = 1.0;  // positive
+  double sigma = 0.0;  // standard deviation of `scale`
+  bool operator==(const FocalScale&) const = default;
+};
+
 // What the estimator saw, for the answer and for the statistics.
 struct Evidence {
   FeatureCounts points;
@@ -53,7 +61,11 @@ struct Evidence {
   double gravity_disagreement_rad = 0.0;
   // With kLocalized alone: the pose contradicts the gravity that was sent, and does not use it.
   bool gravity_rejected = false;
-  double confidence = 0.0;  // probability that the pose is right, in [0, 1]
+  double confidence = 0.0;     // probability that the pose is right, in [0, 1]
+  double inlier_rms_px = 0.0;  // root mean square of the inliers' reprojection errors, pixels; 0
+                               // without a pose
+  // As the matches alone have it; unset where they do not determine it.
+  std::optional<FocalScale> focal_scale;
 };
 
 // Where the time of one Localize went, in order of the pipeline.

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <optional>
 
 #include "maploc/v1/localization_service.pb.h"
 #include "proto/convert/checks.h"
@@ -30,6 +31,24 @@ Status MatchesFromProto(const v1::FeatureMatches& proto, const std::string& fiel
   return Status::Ok();
 }
 
+bool IsAtLeastZero(double value) { return std::isfinite(value) && value >= 0.0; }
+
+Result<std::optional<FocalScale>> FocalScaleFromProto(const v1::LocalizeResponse& response) {
+  if (response.has_focal_length_scale() != response.has_focal_length_scale_sigma()) {
+    return InvalidArgument("focal_length_scale_sigma", "must come with focal_length_scale alone",
+                           "COUNT_MISMATCH");
+  }
+  if (!response.has_focal_length_scale()) return std::optional<FocalScale>();
+  const FocalScale scale{response.focal_length_scale(), response.focal_length_scale_sigma()};
+  if (!IsAtLeastZero(scale.scale) || scale.scale == 0.0) {
+    return InvalidArgument("focal_length_scale", "must be positive", "OUT_OF_RANGE");
+  }
+  if (!IsAtLeastZero(scale.sigma)) {
+    return InvalidArgument("focal_length_scale_sigma", "must be at least 0", "OUT_OF_RANGE");
+  }
+  return std::optional<FocalScale>(scale);
+}
+
 Result<Evidence> EvidenceFromProto(const v1::LocalizeResponse& response) {
   Evidence evidence;
   evidence.points = CountsFromProto(response.points());
@@ -42,6 +61,11 @@ Result<Evidence> EvidenceFromProto(const v1::LocalizeResponse& response) {
   evidence.gravity_disagreement_rad = response.gravity_disagreement_radians();
   evidence.gravity_rejected = response.gravity_rejected();
   evidence.confidence = response.confidence();
+  evidence.inlier_rms_px = response.inlier_rms_pixels();
+  if (!IsAtLeastZero(evidence.inlier_rms_px)) {
+    return InvalidArgument("inlier_rms_pixels", "must be at least 0", "OUT_OF_RANGE");
+  }
+  MAPLOC_ASSIGN_OR_RETURN(evidence.focal_scale, FocalScaleFromProto(response));
   return evidence;
 }
 
@@ -72,7 +96,8 @@ Status PoseFromProto(const v1::LocalizeResponse& response, Localization* result)
 
 Result<Localization> LocalizationFromProto(const v1::LocalizeResponse& response,
                                            const std::string& map) {
-  if (response.outcome() < v1::OUTCOME_LOCALIZED || response.outcome() > v1::OUTCOME_OUT_OF_MAP) {
+  if (response.outcome() < v1::OUTCOME_LOCALIZED ||
+      response.outcome() > v1::OUTCOME_CALIBRATION_INCONSISTENT) {
     return convert::UnknownEnum("outcome", response.outcome());
   }
   if (response.strategy_source() < v1::STRATEGY_SOURCE_DEFAULT ||

@@ -37,6 +37,11 @@ void EvidenceToProto(const Evidence& evidence, v1::LocalizeResponse* response) {
   response->set_iteration_count(evidence.iterations);
   response->set_gravity_disagreement_radians(evidence.gravity_disagreement_rad);
   response->set_gravity_rejected(evidence.gravity_rejected);
+  response->set_inlier_rms_pixels(evidence.inlier_rms_px);
+  if (evidence.focal_scale) {
+    response->set_focal_length_scale(evidence.focal_scale->scale);
+    response->set_focal_length_scale_sigma(evidence.focal_scale->sigma);
+  }
   CountsToProto(evidence.points, response->mutable_points());
   CountsToProto(evidence.usable_lines, response->mutable_usable_lines());
   CountsToProto(evidence.vertical_lines, response->mutable_vertical_lines());

@@ -30,7 +30,7 @@ TEST(DescriptorKindTest, RefusesOthersAndSaysWhichAreKnown) {
 }
 
 TEST(NamesTest, EveryNameReadsBack) {
-  for (int i = 1; i <= 6; ++i) {
+  for (int i = 1; i <= 7; ++i) {
     const Outcome outcome = static_cast<Outcome>(i);
     EXPECT_EQ(OutcomeFromName(OutcomeName(outcome)), outcome);
   }

@@ -1,4 +1,6 @@
 // Answers, summaries and maps: there and back, and what a client must not believe.
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "maploc/v1/localization_service.pb.h"
@@ -25,6 +27,8 @@ Localization LocalizedAnswer() {
   answer.evidence.gravity_disagreement_rad = 0.01;
   answer.evidence.gravity_rejected = true;
   answer.evidence.confidence = 0.999;
+  answer.evidence.inlier_rms_px = 0.75;
+  answer.evidence.focal_scale = FocalScale{1.02, 0.003};
   answer.strategy_source = StrategySource::kPinned;
   answer.predicted_success = 0.125;
   answer.times = {1, 2, 3, 4, 5, 16};
@@ -61,6 +65,8 @@ TEST(LocalizationConvert, ComesBackTheSame) {
   EXPECT_EQ(got->evidence.gravity_disagreement_rad, sent.evidence.gravity_disagreement_rad);
   EXPECT_EQ(got->evidence.gravity_rejected, sent.evidence.gravity_rejected);
   EXPECT_EQ(got->evidence.confidence, sent.evidence.confidence);
+  EXPECT_EQ(got->evidence.inlier_rms_px, sent.evidence.inlier_rms_px);
+  EXPECT_EQ(got->evidence.focal_scale, sent.evidence.focal_scale);
   EXPECT_EQ(got->strategy_source, sent.strategy_source);
   EXPECT_EQ(got->predicted_success, sent.predicted_success);
   EXPECT_EQ(got->times.retrieval_ms, 2);
@@ -99,6 +105,19 @@ TEST(LocalizationConvert, NotLocalizedHasNoPose) {
   EXPECT_FALSE(got->map_from_body.has_value());
 }
 
+TEST(LocalizationConvert, ACalibrationThatMatchesContradictHasNoPose) {
+  Localization answer;
+  answer.outcome = Outcome::kCalibrationInconsistent;
+  v1::LocalizeResponse response;
+  LocalizationToProto(Query{}, answer, true, &response);
+  EXPECT_FALSE(response.has_focal_length_scale()) << "not determined";
+
+  const Result<Localization> got = LocalizationFromProto(response, "yard");
+  ASSERT_TRUE(got.ok()) << got.status().ToString();
+  EXPECT_EQ(got->outcome, Outcome::kCalibrationInconsistent);
+  EXPECT_FALSE(got->evidence.focal_scale.has_value());
+}
+
 TEST(LocalizationConvert, MatchesWithoutVerdictAgreeWithNothing) {
   Localization answer;
   answer.outcome = Outcome::kNoConsensus;
@@ -134,6 +153,32 @@ TEST(LocalizationConvert, RefusesAnAnswerThatContradictsItself) {
   response = LocalizedResponse();
   response.mutable_point_matches()->clear_inliers();
   ExpectRefused(response, "point_matches.inliers");
+}
+
+TEST(LocalizationConvert, RefusesEvidenceThatMakesNoSense) {
+  v1::LocalizeResponse response = LocalizedResponse();
+  response.set_outcome(static_cast<v1::Outcome>(8));
+  ExpectRefused(response, "outcome");
+
+  response = LocalizedResponse();
+  response.set_inlier_rms_pixels(-1);
+  ExpectRefused(response, "inlier_rms_pixels");
+
+  response = LocalizedResponse();
+  response.set_inlier_rms_pixels(std::numeric_limits<double>::quiet_NaN());
+  ExpectRefused(response, "inlier_rms_pixels");
+
+  response = LocalizedResponse();
+  response.set_focal_length_scale(0);
+  ExpectRefused(response, "focal_length_scale");
+
+  response = LocalizedResponse();
+  response.set_focal_length_scale_sigma(-0.1);
+  ExpectRefused(response, "focal_length_scale_sigma");
+
+  response = LocalizedResponse();
+  response.clear_focal_length_scale_sigma();
+  ExpectRefused(response, "focal_length_scale_sigma");
 }
 
 TEST(SessionConvert, SummaryComesBackTheSame) {
