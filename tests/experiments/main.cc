@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "tests/experiments/commands.h"
+#include "tests/experiments/lies/command.h"
 #include "tests/experiments/selection/command.h"
 
 namespace maploc::experiments {
@@ -23,6 +24,7 @@ int Main(int argc, char** argv) {
     AddExperiment(app, context, experiment);
   }
   selection::AddSelectionCommand(app, context);
+  lies::AddLiesCommand(app, context);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
