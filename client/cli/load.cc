@@ -37,6 +37,11 @@ double PerSecond(const LoadReport& report) {
   return static_cast<double>(report.requests) / report.elapsed.count();
 }
 
+std::int64_t CalibrationInconsistent(const LoadReport& report) {
+  const auto found = report.outcomes.find(Outcome::kCalibrationInconsistent);
+  return found == report.outcomes.end() ? 0 : found->second;
+}
+
 Json ReportJson(const LoadReport& report) {
   Json outcomes = Json::object();
   for (const auto& [outcome, count] : report.outcomes) {
@@ -46,6 +51,8 @@ Json ReportJson(const LoadReport& report) {
           {"per_second", PerSecond(report)},
           {"latency_ms", LatencyJson(report.latencies_ms)},
           {"outcomes", outcomes},
+          {"gravity_rejected", report.gravity_rejected},
+          {"calibration_inconsistent", CalibrationInconsistent(report)},
           {"errors", report.errors},
           {"sessions", report.end_session_ms.size()},
           {"end_session_ms", LatencyJson(report.end_session_ms)}};
@@ -64,6 +71,9 @@ void PrintReport(const LoadReport& report) {
   std::cout << FormatNumber(PerSecond(report), 1) << " requests a second\n";
   for (const auto& [outcome, count] : report.outcomes) {
     std::cout << OutcomeName(outcome) << " " << count << "\n";
+  }
+  if (report.gravity_rejected > 0) {
+    std::cout << "of those, against the gravity that was sent: " << report.gravity_rejected << "\n";
   }
   for (const auto& [code, count] : report.errors) {
     std::cout << Colour(Ink::kRed, code) << " " << count << "\n";

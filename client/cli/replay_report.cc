@@ -43,6 +43,7 @@ Json EntryJson(const ReplayEntry& entry) {
   json["gravity_disagreement_deg"] =
       answer.evidence.gravity_disagreement_rad * (180.0 / std::numbers::pi);
   json["gravity_rejected"] = answer.evidence.gravity_rejected;
+  json["inlier_rms_px"] = answer.evidence.inlier_rms_px;
   json["scene_depth"] = JsonOrNull(entry.scene_depth);
   return json;
 }
@@ -72,6 +73,11 @@ bool TellsDepthShares(const RemoteMap& map, const ReplayReport& report) {
   return !map.info.metric && report.WithinDepthShare().has_value();
 }
 
+std::string OutcomeCell(const Localization& answer) {
+  return std::string(OutcomeName(answer.outcome)) +
+         (answer.evidence.gravity_rejected ? ", not its gravity" : "");
+}
+
 std::vector<std::string> EntryCells(const ReplayEntry& entry, bool depth_shares) {
   const Localization& answer = entry.localization;
   const LineCounts lines = AllLines(answer.evidence);
@@ -84,7 +90,7 @@ std::vector<std::string> EntryCells(const ReplayEntry& entry, bool depth_shares)
     rotation_deg = entry.error->rotation_deg;
   }
   return {entry.name,
-          Colour(localized ? Ink::kGreen : Ink::kYellow, std::string(OutcomeName(answer.outcome))),
+          Colour(localized ? Ink::kGreen : Ink::kYellow, OutcomeCell(answer)),
           FormatNumber(length, 3),
           FormatNumber(rotation_deg, 2),
           std::to_string(answer.segment),
@@ -93,6 +99,7 @@ std::vector<std::string> EntryCells(const ReplayEntry& entry, bool depth_shares)
           std::to_string(answer.evidence.points.inliers) + "/" +
               std::to_string(answer.evidence.points.matches),
           std::to_string(lines.inliers) + "/" + std::to_string(lines.matches),
+          FormatNumber(localized ? std::optional(answer.evidence.inlier_rms_px) : std::nullopt, 2),
           FormatNumber(answer.evidence.confidence, 3),
           FormatNumber(answer.times.total_ms, 1)};
 }
@@ -101,9 +108,20 @@ void PrintEntries(const RemoteMap& map, const ReplayReport& report, std::ostream
   const bool depth_shares = TellsDepthShares(map, report);
   const char* unit = map.info.metric ? "m" : depth_shares ? "% of depth" : "map units";
   Table table({"query", "outcome", std::string("error ") + unit, "deg", "segment", "strategy",
-               "iterations", "points", "lines", "confidence", "server ms"});
+               "iterations", "points", "lines", "rms px", "confidence", "server ms"});
   for (const ReplayEntry& entry : report.entries) table.AddRow(EntryCells(entry, depth_shares));
   table.Print(out);
+}
+
+// Nothing where the robot's inputs were believed.
+void PrintInputFaults(const InputFaults& faults, std::ostream& out) {
+  if (faults.gravity_rejected > 0) {
+    out << faults.gravity_rejected << " localized against the gravity that was sent\n";
+  }
+  if (faults.calibration_inconsistent > 0) {
+    out << faults.calibration_inconsistent
+        << " not localized: the matches contradict the camera's calibration\n";
+  }
 }
 
 }  // namespace
@@ -154,6 +172,9 @@ Json ReplayJson(const RemoteMap& map, const ReplayReport& report) {
   json["auc"] = metrics.auc;
   json["latency_ms"] = {{"p50", JsonOrNull(Quantile(latencies_ms, 0.5))},
                         {"p99", JsonOrNull(Quantile(latencies_ms, 0.99))}};
+  const InputFaults faults = report.CountInputFaults();
+  json["gravity_rejected"] = faults.gravity_rejected;
+  json["calibration_inconsistent"] = faults.calibration_inconsistent;
   json["metric"] = map.info.metric;  // false: every "_m" is in the map's unknown unit
   json["median_translation_error_depth_share"] = JsonOrNull(report.MedianDepthShare());
   const std::optional<int> within = report.WithinDepthShare();
@@ -187,6 +208,7 @@ void PrintReplay(const RemoteMap& map, const ReplayReport& report, std::ostream&
     }
     out << "  auc " << FormatNumber(metrics.auc, 3) << "\n";
   }
+  PrintInputFaults(report.CountInputFaults(), out);
   out << "latency p50 " << FormatNumber(Quantile(latencies_ms, 0.5), 1) << " ms, p99 "
       << FormatNumber(Quantile(latencies_ms, 0.99), 1) << " ms\n\n";
   PrintSummary(report.summary, out);

@@ -74,6 +74,7 @@ class LoadRobot {
     if (answer.ok()) {
       report_.latencies_ms.push_back(MillisecondsSince(since));
       ++report_.outcomes[answer->outcome];
+      report_.gravity_rejected += answer->evidence.gravity_rejected ? 1 : 0;
     } else {
       ++report_.errors[std::string(StatusCodeName(answer.status().code()))];
     }
@@ -105,6 +106,7 @@ void Append(const std::vector<double>& from, std::vector<double>& to) {
 
 void Add(const LoadReport& one, LoadReport& all) {
   all.requests += one.requests;
+  all.gravity_rejected += one.gravity_rejected;
   Append(one.latencies_ms, all.latencies_ms);
   Append(one.end_session_ms, all.end_session_ms);
   for (const auto& [outcome, count] : one.outcomes) all.outcomes[outcome] += count;

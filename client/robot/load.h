@@ -28,6 +28,7 @@ struct LoadReport {
   std::chrono::duration<double> elapsed{0.0};
   std::vector<double> latencies_ms;  // of answered queries
   std::map<Outcome, std::int64_t> outcomes;
+  std::int64_t gravity_rejected = 0;           // of those localized
   std::map<std::string, std::int64_t> errors;  // of queries, by the code's name
   std::vector<double> end_session_ms;          // of answered EndSessions
 };

@@ -73,6 +73,16 @@ std::vector<double> ReplayReport::LatenciesMs() const {
   return latencies_ms;
 }
 
+InputFaults ReplayReport::CountInputFaults() const {
+  InputFaults faults;
+  for (const ReplayEntry& entry : entries) {
+    const Localization& answer = entry.localization;
+    faults.gravity_rejected += answer.evidence.gravity_rejected ? 1 : 0;
+    faults.calibration_inconsistent += answer.outcome == Outcome::kCalibrationInconsistent ? 1 : 0;
+  }
+  return faults;
+}
+
 std::optional<double> ReplayReport::MedianDepthShare() const {
   std::vector<double> shares;
   for (const ReplayEntry& entry : entries) {

@@ -44,6 +44,12 @@ struct ReplayEntry {
   std::optional<double> DepthShare() const;
 };
 
+// Queries in which something that the robot sent was not believed.
+struct InputFaults {
+  int gravity_rejected = 0;          // localized without it
+  int calibration_inconsistent = 0;  // not localized
+};
+
 struct ReplayReport {
   SessionId session;
   std::vector<ReplayEntry> entries;
@@ -51,6 +57,7 @@ struct ReplayReport {
 
   std::vector<std::optional<PoseError>> Errors() const;
   std::vector<double> LatenciesMs() const;
+  InputFaults CountInputFaults() const;
   // Median DepthShare of those that have one.
   std::optional<double> MedianDepthShare() const;
   // Queries within 1% of the scene's depth and 1 degree; nullopt when no depth is known.

@@ -40,11 +40,9 @@ bool Step(std::span<const PointObservation> views, Vector3& point) {
   for (const PointObservation& view : views) {
     const Vector3 p = view.camera_from_map * point;
     if (!(p.z() > 0)) return false;
-    Eigen::Matrix<double, 2, 3> projection;
-    projection << 1 / p.z(), 0, -p.x() / (p.z() * p.z()), 0, 1 / p.z(), -p.y() / (p.z() * p.z());
     const Eigen::Vector2d residual = view.focal_length_px * (p.head<2>() / p.z() - view.normalized);
     const Eigen::Matrix<double, 2, 3> jacobian =
-        view.focal_length_px * projection * view.camera_from_map.rotation.toRotationMatrix();
+        view.focal_length_px * NormalizedJacobian(view.camera_from_map, point);
     const double weight = std::min(1.0, 1.0 / std::max(residual.norm(), 1e-12));
     information += weight * jacobian.transpose() * jacobian;
     gradient += weight * jacobian.transpose() * residual;
@@ -54,6 +52,14 @@ bool Step(std::span<const PointObservation> views, Vector3& point) {
 }
 
 }  // namespace
+
+Eigen::Matrix<double, 2, 3> NormalizedJacobian(const Rigid3& camera_from_map,
+                                               const Vector3& point_in_map) {
+  const Vector3 p = camera_from_map * point_in_map;
+  Eigen::Matrix<double, 2, 3> projection;
+  projection << 1 / p.z(), 0, -p.x() / (p.z() * p.z()), 0, 1 / p.z(), -p.y() / (p.z() * p.z());
+  return projection * camera_from_map.rotation.toRotationMatrix();
+}
 
 double PointErrorPx(const PointObservation& seen, const Vector3& point_in_map) {
   const Vector3 p = seen.camera_from_map * point_in_map;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mapstore/base/median.h"
+#include "mapstore/importers/landmark_views.h"
 
 namespace maploc {
 namespace {
@@ -185,13 +186,20 @@ Segment MakeSegment(SegmentId id, const std::vector<int>& segment_frames,
   segment.points.descriptors.kind = point_kind;
   for (const int i : SeenBy(in_segment, points)) {
     const PointTrack& track = points[static_cast<std::size_t>(i)];
-    segment.points.positions_in_map.push_back(track.position_in_map);
+    const Eigen::Vector3d& position = track.position_in_map;
+    segment.points.positions_in_map.push_back(position);
+    segment.points.viewing.push_back(ViewingFromFrames(position, frames, track.frames));
+    segment.points.position_covariances.push_back(
+        CovarianceFromFrames(position, frames, track.frames));
     AppendLandmark(i, track, segment.points);
   }
   segment.lines.descriptors.kind = line_kind;
   for (const int i : SeenBy(in_segment, lines)) {
     const LineTrackInMap& track = lines[static_cast<std::size_t>(i)];
-    segment.lines.segments_in_map.push_back(track.segment_in_map);
+    const LineSegment3& line = track.segment_in_map;
+    segment.lines.segments_in_map.push_back(line);
+    segment.lines.viewing.push_back(
+        ViewingFromFrames((line.start + line.end) / 2, frames, track.frames));
     AppendLandmark(i, track, segment.lines);
   }
   return segment;

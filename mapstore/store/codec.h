@@ -24,10 +24,13 @@ struct FeatureBlobs {
   Blob geometry;               // float64: a point's x, y, z; a line's start x, y, z, end x, y, z
   Blob owners;                 // int32 a descriptor row: index of its landmark
   Blob descriptors;            // rows of the map's kind
+  Blob viewing;                // float32 direction x, y, z, angle, min and max distance a landmark
+  Blob covariances;            // float32 xx, xy, xz, yy, yz, zz a point; both empty: not known
   std::uint64_t checksum = 0;  // ChecksumOf
 };
 
-// FNV-1a of the four blobs, one after the other.
+// FNV-1a of the six blobs, one after the other. Empty ones change nothing, so that what was written
+// before there were `viewing` and `covariances` still fits.
 std::uint64_t ChecksumOf(const FeatureBlobs& blobs);
 
 FeatureBlobs EncodePoints(const PointLandmarks& points);

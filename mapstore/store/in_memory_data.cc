@@ -15,7 +15,10 @@ std::vector<Segment> PlacesOf(const InMemoryMap& map) {
 
 std::vector<Observation> InOrder(const std::map<std::int64_t, Observation>& observations) {
   std::vector<Observation> ordered;
-  for (const auto& [sequence, observation] : observations) ordered.push_back(observation);
+  for (const auto& [sequence, observation] : observations) {
+    ordered.push_back(observation);
+    ordered.back().evidence.focal_scale.reset();
+  }
   return ordered;
 }
 

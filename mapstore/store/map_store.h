@@ -106,6 +106,7 @@ class MapStore {
   // returned; any other error of one is everybody's.
   virtual Result<std::vector<SessionId>> AppendGroup(
       std::span<const SessionObservations> group) = 0;
+  // All that was appended, ascending by sequence, but Evidence::focal_scale, which is not kept.
   virtual Result<std::vector<Observation>> ListObservations(const SessionId& id) const = 0;
   // ONE transaction: `last` is appended (idempotent), the session's observations fold into rows,
   // the visited segments' statistics and strategies are derived anew, the summary is kept.

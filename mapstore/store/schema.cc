@@ -246,7 +246,43 @@ CREATE TABLE inheritance (
 CREATE INDEX inheritance_by_source ON inheritance (source_map, source_segment);
 )sql";
 
-constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4};
+// Landmarks know from where they were seen; rows of before do not, and their checksums still hold.
+// Outcomes go to 7: SQLite cannot alter a CHECK, so the table is made anew.
+constexpr std::string_view kVersion5 = R"sql(
+ALTER TABLE segment_features ADD COLUMN viewing BLOB NOT NULL DEFAULT x'';
+ALTER TABLE segment_features ADD COLUMN covariances BLOB NOT NULL DEFAULT x'';
+
+CREATE TABLE new_observations (
+  session TEXT NOT NULL REFERENCES sessions (id),
+  sequence INTEGER NOT NULL CHECK (sequence >= 1),
+  segment INTEGER NOT NULL CHECK (segment >= -1),
+  outcome INTEGER NOT NULL CHECK (outcome BETWEEN 1 AND 7),
+  point_matches INTEGER NOT NULL, point_inliers INTEGER NOT NULL,
+  usable_line_matches INTEGER NOT NULL, usable_line_inliers INTEGER NOT NULL,
+  vertical_line_matches INTEGER NOT NULL, vertical_line_inliers INTEGER NOT NULL,
+  strategy INTEGER NOT NULL CHECK (strategy BETWEEN 1 AND 4),
+  fell_back INTEGER NOT NULL CHECK (fell_back IN (0, 1)),
+  iterations INTEGER NOT NULL,
+  gravity_disagreement_rad REAL NOT NULL,
+  confidence REAL NOT NULL,
+  total_ms REAL NOT NULL,
+  time_unix_ns INTEGER NOT NULL,
+  inlier_rms_pixels REAL NOT NULL DEFAULT 0,
+  gravity_rejected INTEGER NOT NULL DEFAULT 0 CHECK (gravity_rejected IN (0, 1)),
+  PRIMARY KEY (session, sequence)
+) STRICT, WITHOUT ROWID;
+INSERT INTO new_observations (
+    session, sequence, segment, outcome, point_matches, point_inliers, usable_line_matches,
+    usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back,
+    iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns)
+  SELECT session, sequence, segment, outcome, point_matches, point_inliers, usable_line_matches,
+    usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back,
+    iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns FROM observations;
+DROP TABLE observations;
+ALTER TABLE new_observations RENAME TO observations;
+)sql";
+
+constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4, kVersion5};
 
 }  // namespace
 

@@ -50,6 +50,8 @@ Observation ObservationAt(const SqliteStatement& row) {
   evidence.confidence = row.Real(13);
   observation.total_ms = row.Real(14);
   observation.time_unix_ns = row.Int(15);
+  evidence.inlier_rms_px = row.Real(16);
+  evidence.gravity_rejected = row.Bool(17);
   return observation;
 }
 
@@ -61,7 +63,8 @@ Status InsertObservation(SqliteStatement& insert, const SessionId& id, const Obs
             evidence.usable_lines.inliers, evidence.vertical_lines.matches,
             evidence.vertical_lines.inliers, static_cast<std::int64_t>(evidence.strategy),
             evidence.fell_back, evidence.iterations, evidence.gravity_disagreement_rad,
-            evidence.confidence, o.total_ms, o.time_unix_ns)
+            evidence.confidence, o.total_ms, o.time_unix_ns, evidence.inlier_rms_px,
+            evidence.gravity_rejected)
       .Run();
 }
 
@@ -175,8 +178,9 @@ Status InsertObservations(SqliteDatabase& database, const StoredMap& map, const 
       "INSERT INTO observations (session, sequence, segment, outcome, point_matches, "
       "point_inliers, usable_line_matches, usable_line_inliers, vertical_line_matches, "
       "vertical_line_inliers, strategy, fell_back, iterations, gravity_disagreement_rad, "
-      "confidence, total_ms, time_unix_ns) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, "
-      "?12, ?13, ?14, ?15, ?16, ?17) ON CONFLICT (session, sequence) DO NOTHING");
+      "confidence, total_ms, time_unix_ns, inlier_rms_pixels, gravity_rejected) VALUES (?1, ?2, "
+      "?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19) ON CONFLICT "
+      "(session, sequence) DO NOTHING");
   for (const Observation& observation : observations) {
     MAPLOC_RETURN_IF_ERROR(ValidateObservation(observation));
     if (observation.segment >= 0) {
@@ -192,8 +196,8 @@ Result<std::vector<Observation>> ReadObservations(SqliteDatabase& database, cons
       database,
       "SELECT sequence, segment, outcome, point_matches, point_inliers, usable_line_matches, "
       "usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back, "
-      "iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns "
-      "FROM observations WHERE session = ?1 ORDER BY sequence");
+      "iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns, "
+      "inlier_rms_pixels, gravity_rejected FROM observations WHERE session = ?1 ORDER BY sequence");
   return statement.Bind(id).Collect(ObservationAt);
 }
 

@@ -1,6 +1,7 @@
 #include "server/pipeline/joint_segment.h"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 #include "mapstore/geometry/line.h"
@@ -52,17 +53,35 @@ void AppendRows(const Landmarks& part, int landmark, Landmarks& joint) {
   }
 }
 
+// What is kept of landmarks where it is known: where one part does not know it, nobody does.
+template <typename Landmarks, typename Value>
+void JoinIfKnown(const std::vector<const Landmarks*>& parts, const std::vector<Source>& sources,
+                 std::vector<Value> Landmarks::*values, Landmarks& joint) {
+  const bool known = std::all_of(parts.begin(), parts.end(), [&](const Landmarks* part) {
+    return (part->*values).size() == part->ids.size();
+  });
+  if (!known) return;
+  for (const Source& source : sources) {
+    (joint.*values).push_back((parts[source.segment]->*values)[source.landmark]);
+  }
+}
+
 template <typename Landmarks>
 Landmarks Join(const std::vector<const Landmarks*>& parts) {
   Landmarks joint;
   for (const Landmarks* part : parts) {
     if (joint.descriptors.kind.bytes == 0) joint.descriptors.kind = part->descriptors.kind;
   }
-  for (const Source& source : DistinctLandmarks(parts)) {
+  const std::vector<Source> sources = DistinctLandmarks(parts);
+  for (const Source& source : sources) {
     const Landmarks& part = *parts[source.segment];
     joint.ids.push_back(source.id);
     Geometry(joint).push_back(Geometry(part)[source.landmark]);
     AppendRows(part, source.landmark, joint);
+  }
+  JoinIfKnown(parts, sources, &Landmarks::viewing, joint);
+  if constexpr (std::is_same_v<Landmarks, PointLandmarks>) {
+    JoinIfKnown(parts, sources, &PointLandmarks::position_covariances, joint);
   }
   return joint;
 }

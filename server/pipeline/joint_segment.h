@@ -10,7 +10,8 @@
 namespace maploc {
 
 // All landmarks of the segments, each once, with the descriptors and the position that the first
-// segment holding it has; id, map and path are the first segment's. REQUIRES: at least one segment,
+// segment holding it has; from where they were seen is told where all segments know it. Id, map and
+// path are the first segment's. REQUIRES: at least one segment,
 // all of one map. O(their size).
 Segment JoinSegments(const std::vector<std::shared_ptr<const Segment>>& segments);
 

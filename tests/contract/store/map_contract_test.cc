@@ -49,6 +49,26 @@ TEST_P(MapContract, AMapComesBackAsItWentIn) {
   EXPECT_EQ(got.lines.descriptor_landmark, want.lines.descriptor_landmark);
 }
 
+TEST_P(MapContract, FromWhereLandmarksWereSeenComesBackWhereItIsKnown) {
+  auto writer = store_->BeginImport(YardInfo()).value();
+  ASSERT_TRUE(writer->AddSegment(YardSegment(0)).ok());
+  ASSERT_TRUE(writer->AddSegment(SeenYardSegment(1)).ok());
+  Segment wrong = SeenYardSegment(2);
+  wrong.points.viewing.pop_back();
+  EXPECT_EQ(writer->AddSegment(wrong).code(), StatusCode::kInvalidArgument);
+  ASSERT_TRUE(writer->Commit().ok());
+
+  const auto unknown = store_->LoadSegment(writer->key(), 0).value();
+  EXPECT_THAT(unknown->points.viewing, IsEmpty());
+  EXPECT_THAT(unknown->points.position_covariances, IsEmpty());
+  EXPECT_THAT(unknown->lines.viewing, IsEmpty());
+  const auto known = store_->LoadSegment(writer->key(), 1).value();
+  const Segment want = SeenYardSegment(1);
+  EXPECT_EQ(known->points.viewing, want.points.viewing);
+  EXPECT_EQ(known->points.position_covariances, want.points.position_covariances);
+  EXPECT_EQ(known->lines.viewing, want.lines.viewing);
+}
+
 TEST_P(MapContract, ALandmarkInTwoSegmentsCountsOnceInTheMap) {
   const MapKey key = GiveMap(*store_);
   const auto map = store_->GetMap(key);

@@ -44,7 +44,8 @@ TEST_P(SessionContract, ASessionComesBackAsItStarted) {
 TEST_P(SessionContract, AnObservationIsKeptOnceAndWhole) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);
-  const std::vector<Observation> both = {Seen(1, 0), OutOfMap(2)};
+  std::vector<Observation> both = {Seen(1, 0), OutOfMap(2)};
+  both[0].evidence.focal_scale = FocalScale{1.1, 0.01};
   ASSERT_TRUE(Append(*store_, "s", both).ok());
   ASSERT_TRUE(Append(*store_, "s", both).ok());
   ASSERT_TRUE(Append(*store_, "s", std::vector{Seen(1, 2, 7, 7)}).ok());
@@ -61,10 +62,31 @@ TEST_P(SessionContract, AnObservationIsKeptOnceAndWhole) {
   EXPECT_EQ(kept[0].evidence.iterations, want.evidence.iterations);
   EXPECT_EQ(kept[0].evidence.gravity_disagreement_rad, want.evidence.gravity_disagreement_rad);
   EXPECT_EQ(kept[0].evidence.confidence, want.evidence.confidence);
+  EXPECT_EQ(kept[0].evidence.inlier_rms_px, want.evidence.inlier_rms_px);
+  EXPECT_EQ(kept[0].evidence.gravity_rejected, want.evidence.gravity_rejected);
+  EXPECT_FALSE(kept[0].evidence.focal_scale.has_value()) << "the only thing that is not kept";
   EXPECT_EQ(kept[0].total_ms, want.total_ms);
   EXPECT_EQ(kept[0].time_unix_ns, want.time_unix_ns);
   EXPECT_EQ(kept[1].outcome, Outcome::kOutOfMap);
   EXPECT_EQ(kept[1].segment, -1);
+}
+
+TEST_P(SessionContract, EveryOutcomeIsKeptAndOnlyOneIsLocalized) {
+  const MapKey key = GiveMap(*store_);
+  Start("s", key);
+  std::vector<Observation> observations;
+  for (int outcome = 1; outcome <= 7; ++outcome) {
+    observations.push_back(Seen(outcome, 0));
+    observations.back().outcome = static_cast<Outcome>(outcome);
+  }
+  ASSERT_TRUE(Append(*store_, "s", observations).ok());
+  const auto kept = store_->ListObservations("s").value();
+  ASSERT_THAT(kept, SizeIs(7));
+  EXPECT_EQ(kept[6].outcome, Outcome::kCalibrationInconsistent);
+  const auto summary = store_->EndSession("s", SessionEnd::kByRobot, 9, {});
+  ASSERT_TRUE(summary.ok()) << summary.status().ToString();
+  EXPECT_EQ(summary->queries, 7);
+  EXPECT_EQ(summary->localized, 1);
 }
 
 TEST_P(SessionContract, ARefusedBatchOfObservationsLeavesNothing) {

@@ -54,6 +54,22 @@ inline Segment YardSegment(SegmentId id) {
   return segment;
 }
 
+// The same, with from where its landmarks were seen: of every third, nothing is known.
+inline Segment SeenYardSegment(SegmentId id) {
+  Segment segment = YardSegment(id);
+  const auto range = [](int i) {
+    if (i % 3 == 0) return ViewingRange{};
+    const float distance = 0.1f * static_cast<float>(i);
+    return ViewingRange{{0.6f, 0, -0.8f}, 0.01f * static_cast<float>(i), distance, 2 * distance};
+  };
+  for (int i = 0; i < segment.points.size(); ++i) {
+    segment.points.viewing.push_back(range(i));
+    segment.points.position_covariances.push_back({0.1f * static_cast<float>(i), -1, 2, 3, 4, 5});
+  }
+  for (int i = 0; i < segment.lines.size(); ++i) segment.lines.viewing.push_back(range(i));
+  return segment;
+}
+
 inline MapKey GiveMap(MapStore& store, const std::string& name = "yard", int segments = 3) {
   auto writer = store.BeginImport(YardInfo(name));
   EXPECT_TRUE(writer.ok()) << writer.status().ToString();
@@ -91,6 +107,8 @@ inline Observation Seen(std::int64_t sequence, SegmentId segment, int point_matc
   observation.evidence.iterations = 17;
   observation.evidence.gravity_disagreement_rad = 0.01;
   observation.evidence.confidence = 0.999;
+  observation.evidence.inlier_rms_px = 0.7;
+  observation.evidence.gravity_rejected = true;
   observation.total_ms = 4.2;
   observation.time_unix_ns = 2000 + sequence;
   return observation;

@@ -106,11 +106,13 @@ TEST_F(MaplocTest, AReplayLocalizesAndReportsWhatScriptsRelyOn) {
   EXPECT_GT(json["recall"]["0.25m_2deg"].get<double>(), 0.95);
   EXPECT_GT(json["auc"].get<double>(), 0.9);
   EXPECT_GT(json["latency_ms"]["p99"].get<double>(), 0.0);
+  EXPECT_EQ(json["gravity_rejected"], 0);
+  EXPECT_EQ(json["calibration_inconsistent"], 0);
   ASSERT_EQ(json["per_query"].size(), 180u);
   for (const char* key :
        {"name", "outcome", "translation_error_m", "rotation_error_deg", "segment", "strategy",
         "iterations", "point_matches", "point_inliers", "line_matches", "line_inliers",
-        "confidence", "server_ms", "latency_ms"}) {
+        "confidence", "gravity_rejected", "inlier_rms_px", "server_ms", "latency_ms"}) {
     EXPECT_TRUE(json["per_query"][0].contains(key)) << key;
   }
   for (const Json& query : json["per_query"]) {
@@ -138,6 +140,8 @@ TEST_F(MaplocTest, ManyRobotsAtOnceAreReported) {
   for (const auto& [code, count] : json["errors"].items()) answers += count.get<int>();
   EXPECT_GT(json["outcomes"]["LOCALIZED"].get<int>(), 0);
   EXPECT_EQ(json["requests"], answers);
+  EXPECT_EQ(json["gravity_rejected"], 0);
+  EXPECT_EQ(json["calibration_inconsistent"], 0);
   EXPECT_GT(json["per_second"].get<double>(), 0.0);
   EXPECT_GE(json["sessions"].get<int>(), 4);
   for (const char* key : {"p50", "p95", "p99"}) {

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "mapstore/formats/colmap.h"
 #include "mapstore/geometry/gravity.h"
+#include "mapstore/importers/landmark_views.h"
+#include "mapstore/importers/source_alignment.h"
 
 namespace maploc::testing {
 namespace {
@@ -51,9 +54,23 @@ std::vector<Stretch> CutPath(const std::vector<Eigen::Vector3d>& path, double le
   return stretches;
 }
 
+// Indices into `frames`, which ascend by image id; ascending, each once.
+std::vector<std::int32_t> FramesThatSaw(const ColmapPoint& point,
+                                        const std::vector<KeyFrame>& frames) {
+  std::set<std::int32_t> seen_by;
+  for (const ColmapPoint::Observation& seen : point.track) {
+    const auto frame = std::lower_bound(
+        frames.begin(), frames.end(), seen.image_id,
+        [](const KeyFrame& candidate, std::int64_t id) { return candidate.image_id < id; });
+    seen_by.insert(static_cast<std::int32_t>(frame - frames.begin()));
+  }
+  return {seen_by.begin(), seen_by.end()};
+}
+
 // All observations of the landmarks that the stretch saw, with all their descriptors.
 std::shared_ptr<const Segment> MakeSegment(const ColmapModel& model, const Features& features,
                                            const std::vector<const ColmapImage*>& images,
+                                           const std::vector<KeyFrame>& frames,
                                            const Stretch& stretch,
                                            const Similarity3& map_from_source, SegmentId id) {
   auto segment = std::make_shared<Segment>();
@@ -70,7 +87,11 @@ std::shared_ptr<const Segment> MakeSegment(const ColmapModel& model, const Featu
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   for (std::size_t landmark = 0; landmark < ids.size(); ++landmark) {
     const ColmapPoint& point = model.points.at(ids[landmark]);
-    segment->points.positions_in_map.push_back(map_from_source * point.position_in_source);
+    const Eigen::Vector3d position = map_from_source * point.position_in_source;
+    segment->points.positions_in_map.push_back(position);
+    const std::vector<std::int32_t> seen_by = FramesThatSaw(point, frames);
+    segment->points.viewing.push_back(ViewingFromFrames(position, frames, seen_by));
+    segment->points.position_covariances.push_back(CovarianceFromFrames(position, frames, seen_by));
     for (const ColmapPoint::Observation& seen : point.track) {
       const Descriptors& rows = features.at(model.images.at(seen.image_id).name).points.descriptors;
       const auto row = rows.row(seen.keypoint);
@@ -92,10 +113,12 @@ Result<std::shared_ptr<const MapSnapshot>> BuildMap(const ColmapModel& model,
   for (const ColmapImage* image : images) {
     path.push_back(image->camera_from_source.Inverse().translation);
   }
+  const std::vector<KeyFrame> frames = MakeKeyFrames(model, map_from_source);
   std::vector<MapSnapshot::Entry> entries;
   for (const Stretch& stretch : CutPath(path, segment_length_m)) {
     const auto id = static_cast<SegmentId>(entries.size());
-    entries.push_back({MakeSegment(model, features, images, stretch, map_from_source, id), {}});
+    entries.push_back(
+        {MakeSegment(model, features, images, frames, stretch, map_from_source, id), {}});
   }
   MapInfo info;
   info.key = {"recorded", 1};

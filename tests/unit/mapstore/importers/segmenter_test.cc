@@ -1,6 +1,7 @@
 #include "mapstore/importers/segmenter.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -65,6 +66,17 @@ TEST(CutPathTest, StandingStillOrNoLengthIsOneSegment) {
   EXPECT_LE(CutPath(Walk(5, 1.0), {0, 1, 2, 3, 4}, 1e-300).size(), 5u);
 }
 
+TEST(MakeSegmentTest, SaysFromWhereALineWasSeen) {
+  const std::vector<KeyFrame> frames = Walk(3, 1.0);
+  const DescriptorKind kind = *DescriptorKindFromName("binary1");
+  const std::vector<LineTrackInMap> lines = {{{{1, 4, 0}, {1, 4, 2}}, {1}, {7}}};
+  const Segment segment = MakeSegment(0, {0, 1}, frames, {}, {}, lines, kind);
+  ASSERT_EQ(segment.lines.viewing.size(), 1u);
+  const ViewingRange& range = segment.lines.viewing[0];
+  EXPECT_LT((range.toward_cameras_in_map - Eigen::Vector3f(0, -1, 0)).norm(), 1e-6f);
+  EXPECT_FLOAT_EQ(range.max_distance, 4.0f) << "from the middle of its segment";
+}
+
 TEST(MakeSegmentTest, HoldsWhatItsFramesSawUnderTheSameIds) {
   const std::vector<KeyFrame> frames = Walk(4, 1.0);
   const DescriptorKind kind = *DescriptorKindFromName("binary2");
@@ -76,6 +88,10 @@ TEST(MakeSegmentTest, HoldsWhatItsFramesSawUnderTheSameIds) {
   EXPECT_THAT(segment.points.descriptors.bytes, ::testing::ElementsAre(1, 1, 3, 3, 4, 4));
   EXPECT_THAT(segment.points.descriptor_landmark, ::testing::ElementsAre(0, 1, 1));
   EXPECT_EQ(segment.path_in_map.size(), 2u);
+  ASSERT_EQ(segment.points.viewing.size(), 2u);
+  EXPECT_FLOAT_EQ(segment.points.viewing[0].max_distance, std::sqrt(2.0f));  // also from frame 0
+  EXPECT_FLOAT_EQ(segment.points.viewing[1].min_distance, std::sqrt(2.0f));
+  EXPECT_EQ(segment.points.position_covariances.size(), 2u);
   MapInfo info;
   info.point_descriptor = kind;
   EXPECT_TRUE(ValidateSegment(info, segment).ok());

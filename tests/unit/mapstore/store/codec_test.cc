@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "mapstore/base/random.h"
 #include "tests/contract/store/store_fixture.h"
 
 namespace maploc::testing {
@@ -39,9 +40,35 @@ TEST(Codec, BringsBackEveryBit) {
   EXPECT_TRUE(std::signbit(decoded->positions_in_map[0].y()));
 }
 
+TEST(Codec, BringsBackFromWhereLandmarksWereSeen) {
+  const Segment segment = SeenYardSegment(1);
+  const FeatureBlobs points = EncodePoints(segment.points);
+  EXPECT_EQ(points.viewing.size(), 120u * 24u);
+  EXPECT_EQ(points.covariances.size(), 120u * 24u);
+  const auto decoded = DecodePoints(points, segment.points.descriptors.kind);
+  ASSERT_TRUE(decoded.ok()) << decoded.status().ToString();
+  EXPECT_EQ(decoded->viewing, segment.points.viewing);
+  EXPECT_EQ(decoded->position_covariances, segment.points.position_covariances);
+  const auto lines = DecodeLines(EncodeLines(segment.lines), segment.lines.descriptors.kind);
+  ASSERT_TRUE(lines.ok()) << lines.status().ToString();
+  EXPECT_EQ(lines->viewing, segment.lines.viewing);
+}
+
+// Of before schema version 5: what was written then must still fit.
+TEST(Codec, NothingKnownChangesNoChecksum) {
+  const FeatureBlobs blobs = EncodePoints(YardSegment(1).points);
+  EXPECT_TRUE(blobs.viewing.empty());
+  EXPECT_TRUE(blobs.covariances.empty());
+  std::uint64_t hash = HashBytes({});
+  for (const Blob* blob : {&blobs.ids, &blobs.geometry, &blobs.owners, &blobs.descriptors}) {
+    hash = HashBytes({reinterpret_cast<const char*>(blob->data()), blob->size()}, hash);
+  }
+  EXPECT_EQ(blobs.checksum, hash);
+}
+
 TEST(Codec, NamesTheBlobThatDoesNotFit) {
   const DescriptorKind kind = YardInfo().point_descriptor;
-  const FeatureBlobs good = EncodePoints(YardSegment(0).points);
+  const FeatureBlobs good = EncodePoints(SeenYardSegment(0).points);
   const auto expect_named = [&](Blob FeatureBlobs::*blob, const std::string& name) {
     FeatureBlobs shorter = good;
     (shorter.*blob).pop_back();
@@ -53,12 +80,25 @@ TEST(Codec, NamesTheBlobThatDoesNotFit) {
   expect_named(&FeatureBlobs::geometry, "points.positions");
   expect_named(&FeatureBlobs::owners, "points.descriptor_landmark");
   expect_named(&FeatureBlobs::descriptors, "points.descriptors");
+  expect_named(&FeatureBlobs::viewing, "points.viewing");
+  expect_named(&FeatureBlobs::covariances, "points.position_covariances");
   FeatureBlobs negative = good;
   negative.count = -1;
   EXPECT_EQ(DecodePoints(negative, kind).status().code(), StatusCode::kDataLoss);
   FeatureBlobs flipped = good;
   flipped.geometry[5] ^= 1;
   EXPECT_THAT(DecodePoints(flipped, kind).status().message(), HasSubstr("checksum"));
+  flipped = good;
+  flipped.covariances[5] ^= 1;
+  EXPECT_THAT(DecodePoints(flipped, kind).status().message(), HasSubstr("checksum"));
+  FeatureBlobs gone = good;
+  gone.viewing.clear();
+  EXPECT_THAT(DecodePoints(gone, kind).status().message(), HasSubstr("checksum"));
+  const Segment segment = SeenYardSegment(0);
+  FeatureBlobs lines = EncodeLines(segment.lines);
+  lines.covariances.push_back(0);
+  EXPECT_THAT(DecodeLines(lines, segment.lines.descriptors.kind).status().message(),
+              HasSubstr("lines.covariances"));
 }
 
 }  // namespace

@@ -67,10 +67,14 @@ TEST_F(SqliteDerivationTest, AStoreOfVersion1IsBroughtUpToDate) {
                                    std::string(StoreMigrations()[0]), std::string(R"sql(
 INSERT INTO map_versions SELECT * FROM fresh.map_versions;
 INSERT INTO segments SELECT * FROM fresh.segments;
-INSERT INTO segment_features SELECT * FROM fresh.segment_features;
+INSERT INTO segment_features SELECT map, segment, type, landmark_count, descriptor_count, checksum,
+  ids, geometry, owners, descriptors FROM fresh.segment_features;
 INSERT INTO sessions SELECT * FROM fresh.sessions;
 INSERT INTO session_labels SELECT * FROM fresh.session_labels;
-INSERT INTO observations SELECT * FROM fresh.observations;
+INSERT INTO observations SELECT session, sequence, segment, outcome, point_matches, point_inliers,
+  usable_line_matches, usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy,
+  fell_back, iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns
+  FROM fresh.observations;
 INSERT INTO segment_sessions SELECT map, segment, session, queries, localized, point_matches,
   point_inliers, usable_line_matches, usable_line_inliers, vertical_line_matches,
   vertical_line_inliers, median_point_matches, median_usable_line_matches,

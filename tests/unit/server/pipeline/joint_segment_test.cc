@@ -58,6 +58,31 @@ TEST(JoinSegmentsTest, OfOneIsThatOne) {
   EXPECT_EQ(joint.lines.descriptor_landmark, only.lines.descriptor_landmark);
 }
 
+std::shared_ptr<Segment> PointsSeenFrom(std::vector<LandmarkId> ids, float distance) {
+  auto segment = std::make_shared<Segment>();
+  segment->points.positions_in_map.resize(ids.size());
+  segment->points.viewing.assign(ids.size(), {{0, 0, 1}, 0.5f, distance, distance});
+  segment->points.position_covariances.assign(ids.size(), {distance, 0, 0, 1, 0, 1});
+  segment->points.ids = std::move(ids);
+  return segment;
+}
+
+TEST(JoinSegmentsTest, TellsFromWhereLandmarksWereSeenWhereAllPartsKnowIt) {
+  const auto left = PointsSeenFrom({1, 2}, 3.0f);
+  const auto right = PointsSeenFrom({2, 5}, 4.0f);
+  const Segment joint = JoinSegments({left, right, std::make_shared<Segment>()});
+  ASSERT_EQ(joint.points.viewing.size(), 3u);
+  EXPECT_EQ(joint.points.viewing[1], left->points.viewing[1]) << "the first one that holds it";
+  EXPECT_EQ(joint.points.viewing[2], right->points.viewing[1]);
+  ASSERT_EQ(joint.points.position_covariances.size(), 3u);
+  EXPECT_EQ(joint.points.position_covariances[2], right->points.position_covariances[1]);
+
+  right->points.viewing.clear();
+  const Segment half_known = JoinSegments({left, right});
+  EXPECT_TRUE(half_known.points.viewing.empty());
+  EXPECT_EQ(half_known.points.position_covariances.size(), 3u);
+}
+
 TEST(TellOfOnePartTest, KeepsWhatThePartWithMostInliersHolds) {
   const auto part = [](SegmentId id, std::vector<LandmarkId> ids) {
     auto segment = std::make_shared<Segment>();

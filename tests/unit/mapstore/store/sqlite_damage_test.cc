@@ -1,0 +1,92 @@
+// What was changed behind a store's back is found, named and not served.
+#include <gmock/gmock.h>
+
+#include "mapstore/store/codec.h"
+#include "tests/unit/mapstore/store/sqlite_store_fixture.h"
+
+namespace maploc::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SqliteDamageTest : public SqliteStoreTest {};
+
+TEST_F(SqliteDamageTest, ADamagedBlobIsNamedAndNotServed) {
+  const MapKey key = GiveMap(*Open());
+  Execute(
+      "UPDATE segment_features SET geometry = substr(geometry, 1, length(geometry) - 8) "
+      "WHERE segment = 1 AND type = 1");
+  const auto store = Open();
+  const Status status = store->LoadSegment(key, 1).status();
+  EXPECT_EQ(status.code(), StatusCode::kDataLoss);
+  EXPECT_THAT(status.message(), HasSubstr("segment 1: points.positions"));
+  EXPECT_TRUE(store->LoadSegment(key, 0).ok());
+  ExpectVerifyNames("segment 1: points.positions");
+}
+
+// The checksum fits, but no such direction can be.
+TEST_F(SqliteDamageTest, AViewThatCannotBeIsNamedAndNotServed) {
+  const MapKey key = GiveMap(*Open());
+  PointLandmarks points = SeenYardSegment(1).points;
+  points.viewing[7].max_angle_rad = 4.0f;
+  const FeatureBlobs blobs = EncodePoints(points);
+  {
+    auto database = SqliteDatabase::Open(path_, SqliteAccess::kWrite, 1000);
+    SqliteStatement harm(*database,
+                         "UPDATE segment_features SET viewing = ?1, covariances = ?2, "
+                         "checksum = ?3 WHERE segment = 1 AND type = 1");
+    ASSERT_TRUE(
+        harm.Bind(blobs.viewing, blobs.covariances, static_cast<std::int64_t>(blobs.checksum))
+            .Run()
+            .ok());
+  }
+  const Status status = Open()->LoadSegment(key, 1).status();
+  EXPECT_EQ(status.code(), StatusCode::kDataLoss);
+  EXPECT_THAT(status.message(), HasSubstr("points.viewing[7]"));
+}
+
+TEST_F(SqliteDamageTest, AFlippedByteIsFound) {
+  const MapKey key = GiveMap(*Open());
+  Execute(
+      "UPDATE segment_features SET descriptors = zeroblob(length(descriptors)) "
+      "WHERE segment = 2 AND type = 2");
+  EXPECT_EQ(Open()->LoadSegment(key, 2).status().code(), StatusCode::kDataLoss);
+  ExpectVerifyNames("segment 2: lines: the checksum");
+}
+
+TEST_F(SqliteDamageTest, ACountBeyondReasonAllocatesNothing) {
+  const MapKey key = GiveMap(*Open());
+  Execute("UPDATE segment_features SET landmark_count = 4611686018427387904 WHERE segment = 0");
+  EXPECT_EQ(Open()->LoadSegment(key, 0).status().code(), StatusCode::kDataLoss);
+}
+
+TEST_F(SqliteDamageTest, AMissingSegmentIsFound) {
+  GiveMap(*Open());
+  Execute("DELETE FROM segment_features WHERE segment = 1; DELETE FROM segments WHERE segment = 1");
+  ExpectVerifyNames("count of segments");
+}
+
+TEST_F(SqliteDamageTest, TamperedStatisticsAreFound) {
+  {
+    const auto store = Open();
+    const MapKey key = GiveMap(*store);
+    ASSERT_TRUE(store->StartSession(OpenSession("s", key)).ok());
+    ASSERT_TRUE(store->EndSession("s", SessionEnd::kByRobot, 5, std::vector{Seen(1, 1)}).ok());
+    ASSERT_TRUE(store->Verify().ok());
+  }
+  Execute("UPDATE segment_states SET point_inliers = point_inliers + 1");
+  ExpectVerifyNames("segment 1: its statistics");
+  Execute("UPDATE segment_states SET point_inliers = point_inliers - 1, strategy = 2");
+  ExpectVerifyNames("segment 1: its strategy");
+  Execute("UPDATE segment_states SET strategy = 3, pinned = 2");
+  ExpectVerifyNames("segment 1: its pin");
+  Execute("UPDATE segment_states SET pinned = NULL; UPDATE sessions SET revoked = 1");
+  ExpectVerifyNames("segment 1: its statistics");
+  Execute("UPDATE sessions SET revoked = 0; UPDATE segment_sessions SET queries = 7");
+  ExpectVerifyNames("segment 1: its statistics");
+  Execute("UPDATE segment_sessions SET queries = 1; UPDATE sessions SET queries = 2");
+  ExpectVerifyNames("session 's': its summary");
+}
+
+}  // namespace
+}  // namespace maploc::testing
