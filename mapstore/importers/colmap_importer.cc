@@ -13,6 +13,7 @@
 #include "mapstore/importers/photo_features.h"
 #include "mapstore/importers/point_triangulator.h"
 #include "mapstore/importers/segmenter.h"
+#include "mapstore/importers/shared_error.h"
 
 namespace maploc {
 namespace {
@@ -56,6 +57,7 @@ class Importer {
     report_.info.metric = options_.meters_per_unit.has_value();
     report_.info.map_from_source = AlignSource(report_.gravity.estimate.gravity_in_source,
                                                options_.meters_per_unit.value_or(1.0));
+    report_.info.shared_error_rad = SharedErrorRad(model_);
     frames_ = MakeKeyFrames(model_, report_.info.map_from_source);
     report_.frames = static_cast<std::int64_t>(frames_.size());
     return Status::Ok();

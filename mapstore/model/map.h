@@ -21,6 +21,9 @@ struct MapInfo {
   bool metric = false;  // lengths are metres; else the unit is unknown
   Similarity3
       map_from_source;  // from the imported model's frame; its rotation puts gravity on (0, 0, -1)
+  // Landmarks of one place err together by so much, seen from where the map was made: an angle
+  // about each image axis (importers/shared_error.h); 0: not known.
+  double shared_error_rad = 0.0;
   DescriptorKind point_descriptor;
   DescriptorKind line_descriptor;  // name empty when the map has no lines
   std::int64_t created_unix_ns = 0;

@@ -52,6 +52,7 @@ struct PoseProblem {
       Eigen::Vector3d(0, 1, 0);  // unit, down; unused where `has_gravity` is false
   double gravity_sigma_rad = 0.0;
   bool has_gravity = true;
+  double shared_error_rad = 0.0;  // MapInfo::shared_error_rad
 };
 
 }  // namespace maploc

@@ -12,7 +12,7 @@
 #include "server/ransac/estimator.h"
 #include "server/ransac/stopping.h"
 #include "server/refinement/refine.h"
-#include "server/trust/gravity_check.h"
+#include "server/solvers/reprojection.h"
 #include "server/trust/judge.h"
 
 namespace maploc {
@@ -77,71 +77,113 @@ void FillEvidence(const PoseProblem& problem, const RefinedPose& pose, const Con
   evidence.iterations = consensus.iterations;
 }
 
+PoseProblem PointsAlone(PoseProblem problem) {
+  problem.lines.clear();
+  return problem;
+}
+
+// A consensus with its refined pose; which of the problem's features were heard.
+struct Found {
+  Consensus consensus;
+  RefinedPose pose;  // not converged where there is none
+  bool with_lines = true;
+};
+
 void FillPose(const QueryContext& context, const RefinedPose& pose, Localization& answer) {
   const Rigid3& camera_from_body = context.view().camera_from_body;
   answer.map_from_body = MapFromBody(pose.camera_from_map, camera_from_body);
   answer.covariance = BodyCovariance(pose.covariance, pose.camera_from_map, camera_from_body);
 }
 
-// `problem` has gravity as it was sent, or not at all: then the pose was found without it, and is
-// told to contradict it where it does.
-void Judge(const QueryContext& context, const PoseProblem& problem, const RefinedPose& pose,
-           const GravityCheck& gravity, int iterations, Localization& answer) {
-  const JudgeOptions options{
-      .contradicts_gravity = problem.has_gravity && !gravity.consistent,
-      .min_confidence = context.options.min_confidence,
-      .max_reprojection_error_px = context.options.max_reprojection_error_px,
-      .iterations = iterations,
-  };
-  const Verdict verdict = JudgePose(problem, pose, context.view().camera, options);
+// Tells the pose that the verdict is about. Lines that were not heard count as they agree with it
+// all the same: else statistics would never see them come back.
+void Tell(const QueryContext& context, const PoseProblem& problem, const Verdict& verdict,
+          const Consensus& consensus, Localization& answer) {
+  RefinedPose told = verdict.pose;
+  if (told.line_inliers.size() != problem.lines.size()) {
+    told.line_inliers =
+        FindInliers(problem, told.camera_from_map, context.options.max_reprojection_error_px).lines;
+  }
+  FillEvidence(problem, told, consensus, answer.evidence);
+  answer.point_match_inlier = told.point_inliers;
+  answer.line_match_inlier = told.line_inliers;
   answer.outcome = verdict.outcome;
   answer.evidence.confidence = verdict.confidence;
-  answer.evidence.gravity_disagreement_rad = gravity.disagreement_rad;
+  answer.evidence.gravity_disagreement_rad = verdict.gravity.disagreement_rad;
+  answer.evidence.inlier_rms_px = verdict.pose.inlier_rms_px;
+  answer.evidence.focal_scale = verdict.focal_scale;
   if (verdict.outcome != Outcome::kLocalized) return;
-  answer.evidence.gravity_rejected = !gravity.consistent;
-  FillPose(context, pose, answer);
+  answer.evidence.gravity_rejected = !verdict.gravity.consistent;
+  FillPose(context, verdict.pose, answer);
 }
 
-// What one attempt on a segment's matches works with: `problem`, and the same with the gravity that
-// was sent; the first strategy to draw by, and whether RANSAC itself may take the next ones.
+// What one attempt on a segment's matches works with: the first strategy to draw by, and whether
+// RANSAC itself may take the next ones.
 struct Attempt {
   const MapSnapshot::Entry& entry;
   const PoseProblem& problem;
-  const PoseProblem& as_sent;
+  bool gravity_was_sent;  // `problem` may have it not, all the same
   Strategy strategy;
   bool fall_back;
 };
+
+Found FindPose(const QueryContext& context, const Attempt& attempt, const PoseProblem& problem,
+               bool fall_back, StageTimes& times) {
+  Found found;
+  found.consensus = Estimate(context, attempt.entry, problem, attempt.strategy, fall_back, times);
+  if (!found.consensus.found) return found;
+  const Stopwatch watch(times.refinement_ms);
+  found.pose = RefinePose(problem, found.consensus.camera_from_map, Refining(context));
+  return found;
+}
+
+TrustOptions Trusting(const QueryContext& context, const Attempt& attempt, int iterations) {
+  return {.refine = Refining(context),
+          .min_confidence = context.options.min_confidence,
+          .gravity_was_sent = attempt.gravity_was_sent,
+          .iterations = iterations};
+}
+
+// Lines that agree no better than chance (a day's map at night) only lead astray: then the points
+// alone are searched.
+Found FindPoseByWhatIsHeard(const QueryContext& context, const Attempt& attempt, int iterations,
+                            StageTimes& times) {
+  Found found = FindPose(context, attempt, attempt.problem, attempt.fall_back, times);
+  if (!found.pose.converged || attempt.problem.lines.empty()) return found;
+  if (!LinesAreAtChance(attempt.problem, found.pose, context.view().camera,
+                        Trusting(context, attempt, iterations))) {
+    return found;
+  }
+  Found by_points = FindPose(context, attempt, PointsAlone(attempt.problem), true, times);
+  by_points.consensus.iterations += found.consensus.iterations;
+  by_points.with_lines = false;
+  return by_points;
+}
 
 // A segment's matches through RANSAC, refinement and judgement. `iterations` counts on over all
 // attempts of a query; `times` add up.
 Result<Localization> TryStrategy(const QueryContext& context, const Attempt& attempt,
                                  Localization answer, int& iterations, StageTimes& times) {
-  const auto& [entry, problem, as_sent, strategy, fall_back] = attempt;
-  const Consensus consensus = Estimate(context, entry, problem, strategy, fall_back, times);
+  const Found found = FindPoseByWhatIsHeard(context, attempt, iterations, times);
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
-  iterations += consensus.iterations;
-  FillEvidence(problem, RefinedPose(), consensus, answer.evidence);
+  iterations += found.consensus.iterations;
+  FillEvidence(attempt.problem, RefinedPose(), found.consensus, answer.evidence);
   answer.outcome = Outcome::kNoConsensus;
-  if (!consensus.found) return answer;
+  if (!found.pose.converged) return answer;
 
   const Stopwatch watch(times.refinement_ms);
-  const RefinedPose pose = RefinePose(problem, consensus.camera_from_map, Refining(context));
-  if (!pose.converged) return answer;
-  FillEvidence(problem, pose, consensus, answer.evidence);
-  answer.point_match_inlier = pose.point_inliers;
-  answer.line_match_inlier = pose.line_inliers;
-  // Found without gravity, the pose is of the matches alone already.
-  const bool alone = !problem.has_gravity && as_sent.has_gravity;
-  const GravityCheck gravity =
-      alone ? CompareGravity(as_sent, pose) : CheckGravity(as_sent, pose, Refining(context));
-  Judge(context, problem, pose, gravity, iterations, answer);
+  const Verdict verdict =
+      JudgePose(found.with_lines ? attempt.problem : PointsAlone(attempt.problem), found.pose,
+                context.view().camera, Trusting(context, attempt, iterations));
+  Tell(context, attempt.problem, verdict, found.consensus, answer);
   return answer;
 }
 
-// Whether another strategy may find what this one has not. A pose that contradicts gravity was
-// found: the others would find it too.
+// Whether another strategy may find what this one has not. A pose that contradicts gravity or the
+// calibration was found: the others would find it too.
 bool FoundNothing(Outcome outcome) {
-  return outcome != Outcome::kLocalized && outcome != Outcome::kGravityInconsistent;
+  return outcome != Outcome::kLocalized && outcome != Outcome::kGravityInconsistent &&
+         outcome != Outcome::kCalibrationInconsistent;
 }
 
 }  // namespace
@@ -151,16 +193,16 @@ Strategy ChooseStrategy(const QueryContext& context, const StrategyDecision& dec
 }
 
 Result<Localization> TryMatches(const QueryContext& context, const MapSnapshot::Entry& entry,
-                                const PoseProblem& problem, const PoseProblem& as_sent,
-                                bool fall_back, const Localization& start, int& iterations,
-                                StageTimes& times) {
+                                const PoseProblem& problem, bool fall_back,
+                                const Localization& start, int& iterations, StageTimes& times) {
   if (!CanDraw(problem)) return start;
   const std::vector<Strategy> strategies =
       StrategiesToTry(context, entry.decision, problem, fall_back);
   std::optional<Localization> told;
   int spent = 0;
   for (const Strategy strategy : strategies) {
-    const Attempt attempt{entry, problem, as_sent, strategy, strategies.size() == 1};
+    const Attempt attempt{entry, problem, context.query.gravity.has_value(), strategy,
+                          strategies.size() == 1};
     Result<Localization> answer = TryStrategy(context, attempt, start, iterations, times);
     if (!answer.ok()) {
       if (told && IsOutOfTime(answer.status())) break;

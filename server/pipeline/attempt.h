@@ -34,12 +34,11 @@ Strategy ChooseStrategy(const QueryContext& context, const StrategyDecision& dec
 
 // A segment's matches with its strategy, and with the next best ones (`fall_back`) until one finds
 // a pose to be told. Where none does, the one of the most confidence is told, of equals the first;
-// its iterations are those of all. `as_sent` is `problem` with the gravity that was sent; `start`
-// is the answer before there is a pose. `iterations` counts on over all attempts of a query;
-// `times` add up. An error where the query is interrupted before any strategy has come to an end.
+// its iterations are those of all. `start` is the answer before there is a pose. `iterations`
+// counts on over all attempts of a query; `times` add up. An error where the query is interrupted
+// before any strategy has come to an end.
 Result<Localization> TryMatches(const QueryContext& context, const MapSnapshot::Entry& entry,
-                                const PoseProblem& problem, const PoseProblem& as_sent,
-                                bool fall_back, const Localization& start, int& iterations,
-                                StageTimes& times);
+                                const PoseProblem& problem, bool fall_back,
+                                const Localization& start, int& iterations, StageTimes& times);
 
 }  // namespace maploc

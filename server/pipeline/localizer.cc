@@ -37,7 +37,10 @@ std::vector<int> Rank(const QueryContext& context, StageTimes& times) {
 MatchedProblem Match(const QueryContext& context, const Segment& segment, StageTimes& times) {
   const Stopwatch watch(times.matching_ms);
   const Matches matches = MatchSegment(context.view(), segment);
-  return BuildPoseProblem(matches, context.view(), segment, context.query.gravity);
+  MatchedProblem matched =
+      BuildPoseProblem(matches, context.view(), segment, context.query.gravity);
+  matched.problem.shared_error_rad = context.map.info.shared_error_rad;
+  return matched;
 }
 
 // An answer about `entry`'s segment without a pose as yet.
@@ -81,14 +84,14 @@ Result<Localization> TrySegment(const QueryContext& context, const MapSnapshot::
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
   // The next best strategies are as dear as an attempt without gravity, and tried where that is.
   const bool fall_back = against_gravity != AgainstGravity::kNever;
-  MAPLOC_ASSIGN_OR_RETURN(Localization answer, TryMatches(context, entry, problem, problem,
-                                                          fall_back, start, iterations, times));
+  MAPLOC_ASSIGN_OR_RETURN(Localization answer,
+                          TryMatches(context, entry, problem, fall_back, start, iterations, times));
   if (!problem.has_gravity || !IsTried(against_gravity, answer.outcome)) return answer;
 
   PoseProblem without = problem;
   without.has_gravity = false;
   Result<Localization> free =
-      TryMatches(context, entry, without, problem, fall_back, start, iterations, times);
+      TryMatches(context, entry, without, fall_back, start, iterations, times);
   if (!free.ok() && !IsOutOfTime(free.status())) return free.status();
   if (!free.ok() || free->outcome != Outcome::kLocalized) return answer;
   free->evidence.iterations += answer.evidence.iterations;

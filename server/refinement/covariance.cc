@@ -50,6 +50,26 @@ Matrix6 PoseInformation(const PoseProblem& problem, const PoseMatrix& camera_fro
   return information / (sigma * sigma);
 }
 
+ResidualSum SumResiduals(const PoseProblem& problem, const PoseMatrix& camera_from_map,
+                         const InlierFlags& inliers) {
+  ResidualSum sum;
+  Eigen::Vector2d error;
+  const auto add = [&](bool projects) {
+    if (!projects) return;
+    sum.squares += error.squaredNorm();
+    sum.coordinates += 2;
+  };
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    if (inliers.points[i] == 0) continue;
+    add(PointReprojection(camera_from_map, problem.points[i], &error, nullptr));
+  }
+  for (std::size_t i = 0; i < problem.lines.size(); ++i) {
+    if (inliers.lines[i] == 0) continue;
+    add(LineReprojection(camera_from_map, problem.lines[i], &error, nullptr));
+  }
+  return sum;
+}
+
 Matrix6 SoftGravityCovariance(const Matrix6& information, const Eigen::Vector3d& gravity_in_camera,
                               double gravity_sigma_rad) {
   const double sigma = std::max(gravity_sigma_rad, kMinGravitySigmaRad);

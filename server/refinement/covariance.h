@@ -1,6 +1,8 @@
 // What the inliers and gravity leave uncertain.
 #pragma once
 
+#include <cmath>
+
 #include "mapstore/model/localization.h"
 #include "mapstore/model/matches.h"
 #include "server/solvers/reprojection.h"
@@ -12,6 +14,16 @@ namespace maploc {
 Eigen::Matrix<double, 6, 6> PoseInformation(const PoseProblem& problem,
                                             const PoseMatrix& camera_from_map,
                                             const InlierFlags& inliers, double sigma);
+
+// Squared errors of the flagged features that project, plane z = 1: two coordinates each.
+struct ResidualSum {
+  double squares = 0.0;
+  int coordinates = 0;
+
+  double Rms() const { return coordinates > 0 ? std::sqrt(squares / coordinates) : 0.0; }
+};
+ResidualSum SumResiduals(const PoseProblem& problem, const PoseMatrix& camera_from_map,
+                         const InlierFlags& inliers);
 
 // Covariance of (w, d) when gravity is one more measurement of `gravity_sigma_rad`.
 Eigen::Matrix<double, 6, 6> SoftGravityCovariance(const Eigen::Matrix<double, 6, 6>& information,

@@ -64,6 +64,10 @@ InlierFlags Thinned(InlierFlags inliers, int count) {
   return inliers;
 }
 
+// The stated pixel noise is worth so many coordinates of residuals: ten features. A query of a
+// handful of inliers is judged by what is usual, one of a hundred by its own residuals.
+constexpr double kPriorCoordinates = 20.0;
+
 // Enough to determine the pose: gravity is worth one feature.
 int MinFeatures(Refinement mode) { return mode == Refinement::k6Dof ? 3 : 2; }
 
@@ -90,7 +94,11 @@ class Refiner {
     }
     refined.converged = refined.converged && inliers.count >= MinFeatures(mode_);
     refined.camera_from_map = pose;
-    refined.covariance = Covariance(pose, inliers);
+    const ResidualSum residuals = SumResiduals(problem_, PoseMatrix(pose), inliers);
+    refined.inlier_rms_px = residuals.Rms() * problem_.focal_length_px;
+    const double sigma = FeatureSigma(residuals, inliers.count);
+    refined.feature_sigma_px = sigma * problem_.focal_length_px;
+    refined.covariance = Covariance(pose, inliers, sigma);
     refined.point_inliers = std::move(inliers.points);
     refined.line_inliers = std::move(inliers.lines);
     return refined;
@@ -138,10 +146,22 @@ class Refiner {
     return kLossScaleSigmas * std::hypot(1.0, from_gravity);
   }
 
-  PoseCovariance Covariance(const Rigid3& pose, const InlierFlags& inliers) const {
+  // Of a coordinate, plane z = 1. An error that n features share moves the pose as if each of their
+  // 2 n coordinates had n / 3 times its variance: (J^T J)^-1 then moves their images by that
+  // variance in the mean, its 6 degrees of freedom being shared out over 2 n coordinates.
+  double FeatureSigma(const ResidualSum& residuals, int features) const {
+    const double freedom = mode_ == Refinement::k6Dof ? 6.0 : 4.0;
+    const double noise2 =
+        (kPriorCoordinates * sigma_ * sigma_ + residuals.squares) /
+        std::max(kPriorCoordinates, kPriorCoordinates + residuals.coordinates - freedom);
+    const double shared = problem_.shared_error_rad;
+    return std::sqrt(noise2 + features / 3.0 * shared * shared);
+  }
+
+  PoseCovariance Covariance(const Rigid3& pose, const InlierFlags& inliers, double sigma) const {
     const PoseMatrix matrix(pose);
     const Eigen::Matrix<double, 6, 6> information =
-        PoseInformation(problem_, matrix, inliers, sigma_);
+        PoseInformation(problem_, matrix, inliers, sigma);
     const Eigen::Vector3d& gravity = problem_.gravity_in_camera;
     const double gravity_sigma = problem_.gravity_sigma_rad;
     switch (mode_) {

@@ -15,7 +15,8 @@ namespace maploc {
 
 struct RefineOptions {
   Refinement mode = Refinement::kAuto;
-  double pixel_sigma = 1.0;  // noise of a keypoint and of a line's end point, in pixels
+  double pixel_sigma = 1.0;  // noise of a keypoint and of a line's end point, in pixels, before the
+                             // residuals have been seen
   double max_reprojection_error_px = 4.0;  // inliers are gathered anew under each refined pose
   int max_rounds = 4;                      // of gathering and refining, until the inliers stay
 };
@@ -23,11 +24,15 @@ struct RefineOptions {
 struct RefinedPose {
   bool converged = false;
   Rigid3 camera_from_map;
-  // Of map_from_camera: order and frame as PoseCovariance says. For a fixed gravity its own
-  // uncertainty is propagated, so that roll and pitch are never zero.
+  // Of map_from_camera: order and frame as PoseCovariance says. Holds the keypoints' noise as the
+  // inliers' residuals show it, and what the map's landmarks err together
+  // (PoseProblem::shared_error_rad), which no number of inliers averages out. For a fixed gravity
+  // its own uncertainty is propagated, so that roll and pitch are never zero.
   PoseCovariance covariance = PoseCovariance::Zero();
   std::vector<std::uint8_t> point_inliers;  // under the final pose
   std::vector<std::uint8_t> line_inliers;
+  double inlier_rms_px = 0.0;     // root mean square of the inliers' errors, of one coordinate
+  double feature_sigma_px = 0.0;  // that the covariance was made with, noise and shared error
 
   // Points and lines.
   std::size_t InlierCount() const;

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "server/trust/chance.h"
-#include "server/trust/determination.h"
 
 namespace maploc {
 namespace {
@@ -26,12 +25,13 @@ struct Knot {
 };
 constexpr std::array<Knot, 6> kCalibration = {
     {{-12.0, 9.2}, {-5.5, 4.5952}, {-2.0, 2.3}, {0.0, 0.55}, {2.0, -2.3}, {3.5, -5.6}}};
-// A pose that its inliers do not determine is not to be trusted, however unlikely they are.
-constexpr double kUndeterminedConfidence = 0.5;
 // In decades of false alarms. A grid of equal windows falls onto itself in many ways when it may be
 // turned freely, and its matches then agree by dozens; upright it does so by shifts alone, and for
 // those Chance looks. So a pose that gravity does not support needs so much more.
 constexpr double kDoubtWithoutGravity = 4.0;
+// log10 of the probability that so many wrong lines agree by chance: above it a kind is at the
+// level of chance. A kind that is there for nothing passes one time in a hundred.
+constexpr double kLogChanceOfLines = -2.0;
 // Pairs of outliers share a displacement less often than a pattern's commonest one occurs.
 constexpr double kRepeatFactor = 3.0;
 // How often a wrong line agrees where nothing is known: in buildings one in ten, by so many pairs.
@@ -88,10 +88,19 @@ double LogOdds(double log_false_alarms) {
   return kCalibration.back().log_odds;
 }
 
-}  // namespace
+// One kind of matches under a pose, and how often a wrong one agrees.
+struct KindAgreement {
+  Agreement agreement;
+  double rate = 1.0;
+};
 
-double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pose,
-                              const ConfidenceOptions& options) {
+struct Agreements {
+  KindAgreement points;
+  KindAgreement lines;
+};
+
+Agreements Agree(const PoseProblem& problem, const RefinedPose& pose,
+                 const ConfidenceOptions& options) {
   const double focal = problem.focal_length_px;
   const double threshold = options.max_reprojection_error_px / focal;
   const double image_area = options.image_width_px / focal * (options.image_height_px / focal);
@@ -103,16 +112,26 @@ double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pos
   const Agreement lines = LineAgreement(problem.lines, pose.line_inliers, matrix, threshold,
                                         kMinProjectedLinePx / focal);
   const ChanceRates rates = RatesFromAreas(problem, threshold, image_area);
-  const double point_rate = ChanceOfPoint(points, rates.point);
-  const double line_rate = ChanceOfLine(lines, rates.line, points.shared_shift);
-  const int used_points = std::min(kFeaturesOfPose, points.distinct_inliers);
-  const int used_lines = std::min(kFeaturesOfPose - used_points, lines.distinct_inliers);
-  const double log_points = LogBinomialTail(points.matches - used_points,
-                                            points.distinct_inliers - used_points, point_rate);
-  const double log_lines =
-      LogBinomialTail(lines.matches - used_lines, lines.distinct_inliers - used_lines, line_rate);
+  return {{points, ChanceOfPoint(points, rates.point)},
+          {lines, ChanceOfLine(lines, rates.line, points.shared_shift)}};
+}
+
+// `used` features are explained by the pose's own freedom.
+double LogTail(const KindAgreement& kind, int used) {
+  return LogBinomialTail(kind.agreement.matches - used, kind.agreement.distinct_inliers - used,
+                         kind.rate);
+}
+
+}  // namespace
+
+double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pose,
+                              const ConfidenceOptions& options) {
+  const auto& [points, lines] = Agree(problem, pose, options);
+  const int used_points = std::min(kFeaturesOfPose, points.agreement.distinct_inliers);
+  const int used_lines = std::min(kFeaturesOfPose - used_points, lines.agreement.distinct_inliers);
   const double tests = kPosesPerIteration * std::max(options.iterations, kMinIterations);
-  return std::log10(tests) + CombineLogPValues(log_points, log_lines);
+  return std::log10(tests) +
+         CombineLogPValues(LogTail(points, used_points), LogTail(lines, used_lines));
 }
 
 double ConfidenceOf(double log_false_alarms) {
@@ -123,11 +142,16 @@ double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
                       const ConfidenceOptions& options) {
   if (!pose.converged) return 0.0;
   const double doubt = problem.has_gravity ? 0.0 : kDoubtWithoutGravity;
-  const double confidence = ConfidenceOf(LogNumberOfFalseAlarms(problem, pose, options) + doubt);
-  if (confidence <= kUndeterminedConfidence) return confidence;
-  return IsDetermined(problem, pose, options.max_reprojection_error_px, kMaxSpread)
-             ? confidence
-             : kUndeterminedConfidence;
+  return ConfidenceOf(LogNumberOfFalseAlarms(problem, pose, options) + doubt);
+}
+
+bool LinesAgreeByChance(const PoseProblem& problem, const RefinedPose& pose,
+                        const ConfidenceOptions& options) {
+  const Agreements found = Agree(problem, pose, options);
+  if (problem.lines.empty()) return false;
+  return found.lines.agreement.distinct_inliers == 0 ||
+         LogBinomialTail(found.lines.agreement.matches, found.lines.agreement.distinct_inliers,
+                         found.lines.rate) > kLogChanceOfLines;
 }
 
 }  // namespace maploc

@@ -39,9 +39,8 @@ struct ConfidenceOptions {
   double clump_share = 0.08;
 };
 
-// Probability in [0, 1] that the pose is not the work of chance; at most 0.5 where its inliers do
-// not determine it within 5 degrees and a tenth of their depth (determination.h). 0.99 is the bar
-// for LOCALIZED. Deterministic; thread-safe.
+// Probability in [0, 1] that the pose is not the work of chance. 0.99 is the bar for LOCALIZED.
+// Deterministic; thread-safe.
 double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
                       const ConfidenceOptions& options);
 
@@ -52,5 +51,11 @@ double ConfidenceOf(double log_false_alarms);
 // log10 of the number of false alarms: the test inside PoseConfidence. Negative is good.
 double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pose,
                               const ConfidenceOptions& options);
+
+// Whether the lines agree with the pose no more than wrong lines would: then they are no evidence,
+// and neither a search nor a refinement should hear them. False without lines. Deterministic;
+// thread-safe.
+bool LinesAgreeByChance(const PoseProblem& problem, const RefinedPose& pose,
+                        const ConfidenceOptions& options);
 
 }  // namespace maploc

@@ -1,11 +1,21 @@
 #include "server/trust/judge.h"
 
+#include <numbers>
+#include <utility>
+
 #include "mapstore/geometry/line.h"
+#include "server/trust/calibration.h"
 #include "server/trust/confidence.h"
+#include "server/trust/determination.h"
 #include "server/trust/rival.h"
+#include "server/trust/visibility.h"
 
 namespace maploc {
 namespace {
+
+// A rival takes a pose's place with so many times its inliers; between this and kRivalShare nobody
+// can tell which of the two is right.
+constexpr double kClearlyMore = 1.5;
 
 void Count(bool inlier, FeatureCounts& counts) {
   ++counts.matches;
@@ -17,29 +27,123 @@ bool IsInlier(const std::vector<std::uint8_t>& inliers, std::size_t index) {
   return index < inliers.size() && inliers[index] != 0;
 }
 
+PoseProblem WithGravity(PoseProblem problem, bool has_gravity) {
+  problem.has_gravity = has_gravity;
+  return problem;
+}
+
+ConfidenceOptions ChanceOptions(const Camera& camera, const TrustOptions& options) {
+  ConfidenceOptions chance;
+  chance.max_reprojection_error_px = options.refine.max_reprojection_error_px;
+  chance.image_width_px = camera.width_px();
+  chance.image_height_px = camera.height_px();
+  chance.iterations = options.iterations;
+  return chance;
+}
+
+// One pose under judgement.
+class Judge {
+ public:
+  Judge(const PoseProblem& problem, const Camera& camera, const TrustOptions& options)
+      : problem_(problem), options_(options), chance_(ChanceOptions(camera, options)) {}
+
+  Verdict Run(const RefinedPose& found) {
+    verdict_.pose = WithoutUnseen(problem_, found);
+    verdict_.confidence = PoseConfidence(problem_, verdict_.pose, chance_);
+    // A pose that has no chance to be told may still be rivalled by one that explains more.
+    const bool has_rival = TakeBetterRival();
+    verdict_.gravity = CheckGravity(WithGravity(problem_, options_.gravity_was_sent), verdict_.pose,
+                                    options_.refine);
+    Decide(has_rival);
+    return std::move(verdict_);
+  }
+
+ private:
+  bool IsBelieved() const { return verdict_.confidence >= options_.min_confidence; }
+
+  // True where a rival is left that is neither clearly better nor clearly worse.
+  bool TakeBetterRival() {
+    for (int i = 0; i < 2; ++i) {
+      const auto rival = FindRival(problem_, verdict_.pose, chance_);
+      if (!rival) return false;
+      const RefinedPose seen = WithoutUnseen(problem_, *rival);
+      const double count = static_cast<double>(seen.InlierCount());
+      if (i > 0 || count < kClearlyMore * static_cast<double>(verdict_.pose.InlierCount())) {
+        return count >= kRivalShare * static_cast<double>(verdict_.pose.InlierCount());
+      }
+      Take(*rival);
+    }
+    return false;
+  }
+
+  // Refined without gravity: whether gravity supports it is what is asked next.
+  void Take(const RefinedPose& rival) {
+    RefineOptions free = options_.refine;
+    free.mode = Refinement::k6Dof;
+    problem_ = WithGravity(std::move(problem_), false);
+    verdict_.pose = WithoutUnseen(problem_, RefinePose(problem_, rival.camera_from_map, free));
+    verdict_.confidence = PoseConfidence(problem_, verdict_.pose, chance_);
+  }
+
+  void Decide(bool has_rival) {
+    verdict_.outcome = Outcome::kLowConfidence;
+    if (!IsBelieved()) {
+      verdict_.doubt = Doubt::kChance;
+    } else if (!IsDeterminedByMatches()) {
+      verdict_.doubt = Doubt::kUndetermined;
+    } else if (has_rival) {
+      verdict_.doubt = Doubt::kRival;
+    } else if (LooksMirrored(problem_, verdict_.pose, chance_)) {
+      verdict_.doubt = Doubt::kMirrored;
+    } else if (problem_.has_gravity && !verdict_.gravity.consistent) {
+      verdict_.doubt = Doubt::kGravity;
+      verdict_.outcome = Outcome::kGravityInconsistent;
+    } else if (!IsCalibrated()) {
+      verdict_.doubt = Doubt::kCalibration;
+      verdict_.outcome = Outcome::kCalibrationInconsistent;
+    } else {
+      verdict_.doubt = Doubt::kNone;
+      verdict_.outcome = Outcome::kLocalized;
+    }
+  }
+
+  // Gravity may lie: it makes a pose better, but no more than half of what is known of the pose, in
+  // any direction, may be gravity's word.
+  bool IsDeterminedByMatches() const {
+    const PoseSpread twice_the_variance = {
+        .rotation_rad = std::numbers::sqrt2 * kMaxSpread.rotation_rad,
+        .position_share = std::numbers::sqrt2 * kMaxSpread.position_share};
+    const double threshold_px = chance_.max_reprojection_error_px;
+    return IsDetermined(problem_, verdict_.pose, threshold_px, kMaxSpread) &&
+           IsDetermined(WithGravity(problem_, false), verdict_.pose, threshold_px,
+                        twice_the_variance);
+  }
+
+  bool IsCalibrated() {
+    const bool believes_gravity = options_.gravity_was_sent && verdict_.gravity.consistent;
+    const CalibrationCheck check = CheckCalibration(
+        WithGravity(problem_, believes_gravity), verdict_.pose, chance_.max_reprojection_error_px);
+    verdict_.focal_scale = check.focal_scale;
+    verdict_.pose.covariance += check.covariance;
+    return check.consistent;
+  }
+
+  PoseProblem problem_;
+  const TrustOptions& options_;
+  const ConfidenceOptions chance_;
+  Verdict verdict_;
+};
+
 }  // namespace
 
-Verdict JudgePose(const PoseProblem& problem, const RefinedPose& pose, const Camera& camera,
-                  const JudgeOptions& options) {
-  const ConfidenceOptions confidence{
-      .max_reprojection_error_px = options.max_reprojection_error_px,
-      .image_width_px = camera.width_px(),
-      .image_height_px = camera.height_px(),
-      .iterations = options.iterations,
-  };
-  Verdict verdict;
-  verdict.confidence = PoseConfidence(problem, pose, confidence);
-  if (verdict.confidence >= options.min_confidence && HasRival(problem, pose, confidence)) {
-    verdict.confidence = options.min_confidence / 2;  // of two rivals one is wrong at least
-  }
-  if (verdict.confidence < options.min_confidence) {
-    verdict.outcome = Outcome::kLowConfidence;
-  } else if (options.contradicts_gravity) {
-    verdict.outcome = Outcome::kGravityInconsistent;
-  } else {
-    verdict.outcome = Outcome::kLocalized;
-  }
-  return verdict;
+Verdict JudgePose(const PoseProblem& problem, const RefinedPose& found, const Camera& camera,
+                  const TrustOptions& options) {
+  return Judge(problem, camera, options).Run(found);
+}
+
+bool LinesAreAtChance(const PoseProblem& problem, const RefinedPose& pose, const Camera& camera,
+                      const TrustOptions& options) {
+  return LinesAgreeByChance(problem, pose, ChanceOptions(camera, options));
 }
 
 Evidence CountEvidence(const PoseProblem& problem, const RefinedPose& pose) {

@@ -1,32 +1,58 @@
-// May the robot rely on this pose? The last stage: evidence in, an outcome out.
+// The last word: may the robot rely on this pose? Evidence in, a verdict with its reason out.
 #pragma once
+
+#include <optional>
+#include <string_view>
 
 #include "mapstore/geometry/camera.h"
 #include "mapstore/model/localization.h"
 #include "mapstore/model/matches.h"
 #include "server/refinement/refine.h"
+#include "server/trust/gravity_check.h"
 
 namespace maploc {
 
-struct JudgeOptions {
-  bool contradicts_gravity = false;  // that was sent and was used to find the pose
+struct TrustOptions {
+  RefineOptions refine;  // as the pose was refined
   double min_confidence = 0.99;
-  double max_reprojection_error_px = 4.0;  // that decided the inliers
+  // The problem has the gravity that was sent, though `has_gravity` may be false: then the pose was
+  // found without it, and is compared with it.
+  bool gravity_was_sent = false;
   // Hypotheses evaluated for this query so far, over all segments: each had its chance to be right
   // by chance.
   int iterations = 1;
 };
 
-struct Verdict {
-  Outcome outcome = Outcome::kLowConfidence;  // kLocalized, kLowConfidence, kGravityInconsistent
-  double confidence = 0.0;
+// Why a pose is not told.
+enum class Doubt {
+  kNone,
+  kChance,        // matches without truth agree as well (confidence.h)
+  kUndetermined,  // its inliers leave it open (determination.h)
+  kRival,         // another pose explains nearly as much (rival.h)
+  kMirrored,      // a mirrored picture explains more (rival.h)
+  kGravity,       // the matches contradict the gravity that it was found with (gravity_check.h)
+  kCalibration,   // the matches contradict the calibration (calibration.h)
 };
 
-// LOW_CONFIDENCE below the bar, and where the matches that are left over hold another pose nearly
-// as well (rival.h); above it GRAVITY_INCONSISTENT when the matches contradict the gravity that was
-// sent (gravity_check.h); else LOCALIZED.
-Verdict JudgePose(const PoseProblem& problem, const RefinedPose& pose, const Camera& camera,
-                  const JudgeOptions& options);
+struct Verdict {
+  Outcome outcome = Outcome::kLowConfidence;  // or kLocalized, kGravityInconsistent,
+                                              // kCalibrationInconsistent
+  Doubt doubt = Doubt::kChance;               // kNone with kLocalized
+  double confidence = 0.0;
+  RefinedPose pose;      // that is judged: the one that was found, or a rival that explains more
+  GravityCheck gravity;  // of that pose against the gravity that was sent
+  std::optional<FocalScale> focal_scale;
+};
+
+// `found` was refined in `problem`. A rival that clearly explains more takes its place.
+// Deterministic; thread-safe.
+Verdict JudgePose(const PoseProblem& problem, const RefinedPose& found, const Camera& camera,
+                  const TrustOptions& options);
+
+// Whether the lines agree with the pose no more than wrong lines would (LinesAgreeByChance): then
+// they are to be left out of search, refinement and judgement.
+bool LinesAreAtChance(const PoseProblem& problem, const RefinedPose& pose, const Camera& camera,
+                      const TrustOptions& options);
 
 // Matches and inliers by kind, under `pose`. The kinds that a strategy cannot use count as well.
 Evidence CountEvidence(const PoseProblem& problem, const RefinedPose& pose);

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "server/ransac/estimator.h"
 #include "server/solvers/reprojection.h"
 #include "server/trust/determination.h"
+#include "server/trust/visibility.h"
 
 namespace maploc {
 namespace {
@@ -48,9 +50,10 @@ bool IsSamePose(const PoseProblem& problem, const RefinedPose& pose, const Refin
          apart < kMaxSpread.position_share * MedianInlierDepth(problem, pose);
 }
 
-std::optional<RefinedPose> BestPose(const PoseProblem& problem, double max_reprojection_error_px) {
+std::optional<RefinedPose> BestPose(const PoseProblem& problem, bool with_gravity,
+                                    double max_reprojection_error_px) {
   RansacOptions options;
-  options.strategy = problem.has_gravity ? Strategy::kMixed : Strategy::kP3P;
+  options.strategy = with_gravity ? Strategy::kMixed : Strategy::kP3P;
   options.fall_back = false;
   options.max_reprojection_error_px = max_reprojection_error_px;
   options.max_iterations = kRivalIterations;
@@ -58,27 +61,75 @@ std::optional<RefinedPose> BestPose(const PoseProblem& problem, double max_repro
   const Consensus consensus = EstimateConsensus(problem, options);
   if (!consensus.found) return std::nullopt;
   RefineOptions refine;
+  refine.mode = with_gravity ? Refinement::kAuto : Refinement::k6Dof;
   refine.max_reprojection_error_px = max_reprojection_error_px;
   RefinedPose pose = RefinePose(problem, consensus.camera_from_map, refine);
   if (!pose.converged) return std::nullopt;
   return pose;
 }
 
-}  // namespace
-
-bool HasRival(const PoseProblem& problem, const RefinedPose& pose,
-              const ConfidenceOptions& options) {
-  const double share = kRivalShare * static_cast<double>(pose.InlierCount());
-  const std::size_t needed = std::max(kLeastRival, static_cast<std::size_t>(std::ceil(share)));
-  const PoseProblem left_over = LeftOver(problem, pose);
-  if (left_over.points.size() + left_over.lines.size() < needed) return false;
-  const std::optional<RefinedPose> rival = BestPose(left_over, options.max_reprojection_error_px);
-  if (!rival || rival->InlierCount() < needed) return false;
-  if (IsSamePose(problem, pose, *rival)) return false;
+// Of `left_over`, a pose that is told as a rival of `pose`: with `needed` inliers at least.
+std::optional<RefinedPose> SearchRival(const PoseProblem& left_over, bool with_gravity,
+                                       std::size_t needed, const ConfidenceOptions& options) {
+  const std::optional<RefinedPose> rival =
+      BestPose(left_over, with_gravity, options.max_reprojection_error_px);
+  if (!rival || rival->InlierCount() < needed) return std::nullopt;
   ConfidenceOptions chance = options;
   chance.iterations = kRivalIterations;
   chance.clump_share = 0.0;  // a door that is mistaken for another is what is looked for
-  return LogNumberOfFalseAlarms(left_over, *rival, chance) < kMaxLogAlarms;
+  if (LogNumberOfFalseAlarms(left_over, *rival, chance) >= kMaxLogAlarms) return std::nullopt;
+  return rival;
+}
+
+// Turned over about the principal point: where that is off, the pose turns with it.
+PoseProblem Mirrored(PoseProblem problem) {
+  for (PointCorrespondence& point : problem.points) point.normalized.x() *= -1.0;
+  for (LineCorrespondence& line : problem.lines) {
+    line.normalized.start.x() *= -1.0;
+    line.normalized.end.x() *= -1.0;
+  }
+  return problem;
+}
+
+std::size_t InliersNeeded(const RefinedPose& pose) {
+  const double share = kRivalShare * static_cast<double>(pose.InlierCount());
+  return std::max(kLeastRival, static_cast<std::size_t>(std::ceil(share)));
+}
+
+std::size_t FeatureCount(const PoseProblem& problem) {
+  return problem.points.size() + problem.lines.size();
+}
+
+}  // namespace
+
+std::optional<RefinedPose> FindRival(const PoseProblem& problem, const RefinedPose& pose,
+                                     const ConfidenceOptions& options) {
+  const std::size_t needed = InliersNeeded(pose);
+  const PoseProblem left_over = LeftOver(problem, pose);
+  if (FeatureCount(left_over) < needed) return std::nullopt;
+  std::optional<RefinedPose> best;
+  for (const bool with_gravity : {true, false}) {
+    if (with_gravity && !problem.has_gravity) continue;
+    const auto rival = SearchRival(left_over, with_gravity, needed, options);
+    if (!rival || IsSamePose(problem, pose, *rival)) continue;
+    if (!best || rival->InlierCount() > best->InlierCount()) best = rival;
+  }
+  if (!best) return std::nullopt;
+  InlierFlags inliers =
+      FindInliers(problem, best->camera_from_map, options.max_reprojection_error_px);
+  best->point_inliers = std::move(inliers.points);
+  best->line_inliers = std::move(inliers.lines);
+  return best;
+}
+
+bool LooksMirrored(const PoseProblem& problem, const RefinedPose& pose,
+                   const ConfidenceOptions& options) {
+  const std::size_t needed = InliersNeeded(pose);
+  PoseProblem mirrored = LeftOver(problem, pose);
+  if (FeatureCount(mirrored) < needed) return false;
+  mirrored = Mirrored(std::move(mirrored));
+  const auto rival = SearchRival(mirrored, false, needed, options);
+  return rival && WithoutUnseen(mirrored, *rival).InlierCount() >= needed;
 }
 
 }  // namespace maploc

@@ -4,7 +4,6 @@
 
 #include "server/pipeline/attempt.h"
 #include "server/refinement/refine.h"
-#include "server/trust/gravity_check.h"
 
 namespace maploc::experiments {
 namespace {
@@ -15,8 +14,8 @@ const Camera& ImageCamera() {
   return camera;
 }
 
-// `problem` is `as_sent`, or that without its gravity. `iterations` were spent before.
-JudgedAnswer Attempt(const PoseProblem& problem, const PoseProblem& as_sent, RansacOptions ransac,
+// `iterations` were spent before.
+JudgedAnswer Attempt(const PoseProblem& problem, bool gravity_was_sent, RansacOptions ransac,
                      int iterations) {
   JudgedAnswer answer;
   if (!problem.has_gravity) ransac.strategy = Strategy::kP3P;
@@ -26,13 +25,11 @@ JudgedAnswer Attempt(const PoseProblem& problem, const PoseProblem& as_sent, Ran
   const RefineOptions refine;
   const RefinedPose pose = RefinePose(problem, consensus.camera_from_map, refine);
   if (!pose.converged) return answer;
-  JudgeOptions judge;
-  judge.contradicts_gravity =
-      problem.has_gravity && !CheckGravity(as_sent, pose, refine).consistent;
-  judge.max_reprojection_error_px = ransac.max_reprojection_error_px;
-  judge.iterations = answer.iterations;
-  answer.verdict = JudgePose(problem, pose, ImageCamera(), judge);
-  answer.camera_from_map = pose.camera_from_map;
+  TrustOptions trust;
+  trust.gravity_was_sent = gravity_was_sent;
+  trust.iterations = answer.iterations;
+  answer.verdict = JudgePose(problem, pose, ImageCamera(), trust);
+  answer.camera_from_map = answer.verdict.pose.camera_from_map;
   return answer;
 }
 
@@ -46,12 +43,12 @@ JudgedAnswer AnswerAsProduct(const PoseProblem& problem, Strategy strategy, std:
   ransac.strategy = strategy;
   ransac.seed = seed;
   ransac.min_iterations = min_iterations;
-  if (strategy == Strategy::kP3P) return Attempt(without, without, ransac, 0);
-  const JudgedAnswer answer = Attempt(problem, problem, ransac, 0);
+  if (strategy == Strategy::kP3P) return Attempt(without, false, ransac, 0);
+  const JudgedAnswer answer = Attempt(problem, true, ransac, 0);
   if (answer.verdict.outcome == Outcome::kLocalized) return answer;
   ransac.max_iterations = kIterationsAgainstGravity;
   ransac.min_iterations = std::min(min_iterations, kIterationsAgainstGravity);
-  const JudgedAnswer free = Attempt(without, problem, ransac, answer.iterations);
+  const JudgedAnswer free = Attempt(without, true, ransac, answer.iterations);
   return free.verdict.outcome == Outcome::kLocalized ? free : answer;
 }
 

@@ -1,0 +1,105 @@
+#include "server/trust/calibration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "server/refinement/covariance.h"
+#include "server/trust/lens_fit.h"
+
+namespace maploc {
+namespace {
+
+// Standard deviations (log s, c_x, c_y, k). What a lens may be at all: only a bound, so that few
+// matches cannot ask for a lens that nobody makes.
+const LensValues kAnyLens(0.7, 0.1, 0.1, 0.3);
+// The same where all but the focal length is as it is said to be.
+const LensValues kFocalAlone(1.0, 0.004, 0.004, 0.008);
+// What nobody would call a wrong calibration.
+const LensValues kExact(0.002, 0.002, 0.002, 0.004);
+// What calibrations are usually off by, beyond that: 0.8% of the focal length.
+const LensValues kUsual(0.008, 0.008, 0.008, 0.016);
+
+// Chi-square: one in 2000 of four degrees of freedom, in 100,000 of one. Honest queries of
+// `euroc_v101`: at most 15 of 71 (MEASUREMENTS.md).
+constexpr double kMaxDistance2 = 20.0;
+// From here on, one in a hundred, another lens is not known but suspected.
+constexpr double kSuspectedDistance2 = 13.3;
+// Of the support. Tourists' photos of a flat front, whose lenses are only roughly known: at most
+// 6%; a focal length 2% off before a court of depth: 10% (MEASUREMENTS.md).
+constexpr double kClearGain = 0.08;
+constexpr double kMostFocalSigma = 0.1;
+
+// A fit, and how far it is from the calibration that was sent.
+struct Found {
+  LensValues lens = LensValues::Zero();
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+  double distance2 = 0.0;
+  double gain = 0.0;  // of the support
+
+  bool Contradicts() const { return distance2 > kMaxDistance2 && gain >= kClearGain; }
+};
+
+double Distance2(const Found& found) {
+  Eigen::Matrix4d spread = found.covariance;
+  spread.diagonal() += kExact.cwiseAbs2();
+  return found.lens.dot(spread.ldlt().solve(found.lens));
+}
+
+double FocalDistance2(const Found& found) {
+  return found.lens(0) * found.lens(0) / (found.covariance(0, 0) + kExact(0) * kExact(0));
+}
+
+// Nothing is found where there is too little to tell.
+std::optional<Found> FitLens(LensFit& fit, const LensValues& prior, double support) {
+  if (!fit.Fit(prior)) return std::nullopt;
+  Found found;
+  found.lens = fit.lens();
+  found.covariance = fit.Covariance();
+  found.gain = fit.Support() / support - 1.0;
+  return found;
+}
+
+// The lens' own uncertainty after the matches have spoken, and the lens that is suspected: its mean
+// where `kUsual` is what was believed before.
+Eigen::Matrix4d Uncertainty(const LensResponse& response, const Found& found) {
+  Eigen::Matrix4d information = response.information;
+  information.diagonal() += kUsual.cwiseAbs2().cwiseInverse();
+  Eigen::Matrix4d uncertainty = information.inverse();
+  if (found.distance2 <= kSuspectedDistance2) return uncertainty;
+  Eigen::Matrix4d spread = found.covariance;
+  spread.diagonal() += kUsual.cwiseAbs2();
+  const LensValues mean =
+      kUsual.cwiseAbs2().asDiagonal() * LensValues(spread.ldlt().solve(found.lens));
+  uncertainty += mean * mean.transpose();
+  return uncertainty;
+}
+
+}  // namespace
+
+CalibrationCheck CheckCalibration(const PoseProblem& problem, const RefinedPose& pose,
+                                  double max_reprojection_error_px) {
+  CalibrationCheck check;
+  LensFit fit(problem, pose, max_reprojection_error_px);
+  const PoseMatrix as_sent = fit.camera_from_moved_map();
+  const LensResponse response = fit.Response();
+  const double support = fit.Support();
+  Found any;
+  if (auto focal = FitLens(fit, kFocalAlone, support)) {
+    focal->distance2 = FocalDistance2(*focal);
+    const double sigma = std::sqrt(focal->covariance(0, 0));
+    if (sigma <= kMostFocalSigma) check.focal_scale = FocalScale{std::exp(focal->lens(0)), sigma};
+    if (const auto found = FitLens(fit, kAnyLens, support)) {
+      any = *found;
+      any.distance2 = Distance2(any);
+    }
+    check.consistent = !focal->Contradicts() && !any.Contradicts();
+  }
+  check.covariance = CovarianceOfMapFromCamera(
+      as_sent, response.of_pose * Uncertainty(response, any) * response.of_pose.transpose());
+  return check;
+}
+
+}  // namespace maploc
