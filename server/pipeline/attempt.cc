@@ -97,6 +97,7 @@ void Judge(const QueryContext& context, const PoseProblem& problem, const Refine
   answer.outcome = verdict.outcome;
   answer.evidence.confidence = verdict.confidence;
   answer.evidence.gravity_disagreement_rad = gravity.disagreement_rad;
+  answer.evidence.gravity_tilt_rad = gravity.tilt_rad;
   if (verdict.outcome != Outcome::kLocalized) return;
   answer.evidence.gravity_rejected = !gravity.consistent;
   FillPose(context, pose, answer);
