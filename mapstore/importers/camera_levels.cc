@@ -165,6 +165,7 @@ CameraLevels FitCameraLevels(std::span<const Eigen::Quaterniond> camera_from_sou
   const Axes axes = TakeAxes(camera_from_source);
   CameraLevels levels;
   levels.down_in_source = Fit(axes);
+  levels.looks_around = !AreParallel(axes.x);
   const double steepest = std::cos(70 * kDegree);
   const auto upright = std::count_if(axes.y.begin(), axes.y.end(), [&](const Eigen::Vector3d& y) {
     return y.dot(levels.down_in_source.direction) > steepest;

@@ -25,6 +25,8 @@ inline constexpr int kMinLevelPhotos = 5;
 struct CameraLevels {
   DirectionFit down_in_source;
   double upright_share = 0.0;  // of the photos whose y axis points down within 70 degrees
+  // The x axes differ, so that photos held level are told from photos all held on their side.
+  bool looks_around = false;
   // The y axes agree that the photos are upright, but for a few.
   bool AgreeOnSign() const { return upright_share >= 0.9; }
 };

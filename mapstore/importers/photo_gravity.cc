@@ -78,7 +78,8 @@ PhotoGravity EstimateFromPhotos(const GravityEvidence& evidence) {
   AddLines(evidence, levels, gravity);
   if (!gravity.doubt.empty()) return gravity;
   const UpEvidence up = WeighBrightening(evidence.brightening);
-  const bool levels_suffice = Interval95Rad(levels.down_in_source) < kMaxWitnessInterval;
+  const bool levels_suffice =
+      levels.looks_around && Interval95Rad(levels.down_in_source) < kMaxWitnessInterval;
   gravity.is_witness = up == UpEvidence::kUpright ? Interval95Rad(gravity.fit) < kMaxWitnessInterval
                                                   : up == UpEvidence::kNone && levels_suffice;
   gravity.has_axis = Interval95Rad(gravity.fit) <= kMaxGravityIntervalRad;
