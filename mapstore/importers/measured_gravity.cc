@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <Eigen/Geometry>
 
+#include "mapstore/base/median.h"
 #include "mapstore/geometry/gravity.h"
 
 namespace maploc {
@@ -39,25 +41,37 @@ Eigen::Vector3d FindMedoid(std::span<const Eigen::Vector3d> directions) {
   return best;
 }
 
+// Those within kMaxOffRad of the medoid and, of these, within three times their median distance:
+// 3.5 standard deviations, but a degree at least.
+std::vector<Eigen::Vector3d> KeepAgreeing(std::span<const Eigen::Vector3d> directions) {
+  const Eigen::Vector3d medoid = FindMedoid(directions);
+  std::vector<double> distances;
+  for (const Eigen::Vector3d& direction : directions) {
+    const double distance = AngleBetween(direction, medoid);
+    if (distance <= kMaxOffRad) distances.push_back(distance);
+  }
+  const double reach = std::clamp(3.0 * Median(distances), 1.0 * kDegree, kMaxOffRad);
+  std::vector<Eigen::Vector3d> kept;
+  for (const Eigen::Vector3d& direction : directions) {
+    if (AngleBetween(direction, medoid) <= reach) kept.push_back(direction);
+  }
+  return kept;
+}
+
 }  // namespace
 
 std::optional<DirectionFit> FitMeasuredGravity(std::span<const Eigen::Vector3d> down_in_source) {
   if (down_in_source.empty()) return std::nullopt;
-  const Eigen::Vector3d medoid = FindMedoid(down_in_source);
+  const std::vector<Eigen::Vector3d> kept = KeepAgreeing(down_in_source);
+  const auto count = static_cast<double>(kept.size());
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double count = 0.0;
-  for (const Eigen::Vector3d& down : down_in_source) {
-    if (AngleBetween(down, medoid) > kMaxOffRad) continue;
-    sum += down;
-    ++count;
-  }
+  for (const Eigen::Vector3d& down : kept) sum += down;
   const bool is_majority = count >= kMinShare * static_cast<double>(down_in_source.size());
   if (count < kMinMeasurements || !is_majority) return std::nullopt;
   const DirectionFit mean{sum.normalized(), {}};
   const Eigen::Matrix<double, 3, 2> basis = TangentBasis(mean.direction);
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
-  for (const Eigen::Vector3d& down : down_in_source) {
-    if (AngleBetween(down, medoid) > kMaxOffRad) continue;
+  for (const Eigen::Vector3d& down : kept) {
     const Eigen::Vector2d off = basis.transpose() * down;
     scatter += off * off.transpose();
   }

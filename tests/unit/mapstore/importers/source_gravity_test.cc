@@ -1,5 +1,7 @@
 #include "mapstore/importers/source_gravity.h"
 
+#include <utility>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,27 +28,27 @@ struct HeldSet {
 };
 
 // Every way of holding that was seen to end in a wrong gravity, and those that are right.
-const std::vector<HeldSet>& HeldSets() {
-  static const std::vector<HeldSet> kSets = {
-      {"landscape", {}, {"upside down", "known to within"}},
-      {"landscape_arc", {.yaw_range_deg = 90}, {"upside down", "known to within"}},
-      {"portrait_right", {.rolls_deg = {90}}, {"portrait"}},
-      {"portrait_left", {.rolls_deg = {-90}}, {"portrait"}},
-      {"portrait_both", {.rolls_deg = {90, -90}}, {"portrait"}},
-      {"portrait_one_sided",
-       {.yaw_range_deg = 10, .pitch_range_deg = 5, .rolls_deg = {90}},
-       {"look the same way"}},
-      {"mixed", {.rolls_deg = {0, 0, 90, -90}}, {"different ways"}},
-      {"upside_down", {.rolls_deg = {180}}, {"upside down", "known to within"}},
-      {"some_upside_down", {.rolls_deg = {0, 0, 180}}, {"different ways"}},
-      {"nadir", {.pitch_deg = -90, .pitch_range_deg = 4}, {"straight down"}},
-      {"oblique_drone", {.pitch_deg = -50, .pitch_range_deg = 10}, {"upside down", "within"}},
-      {"one_sided",
-       {.yaw_range_deg = 10, .pitch_deg = 8, .pitch_range_deg = 10},
-       {"look the same way"}},
-      {"few", {.photos = 4}, {"there are 4 photos"}},
+std::vector<HeldSet> HeldSets() {
+  std::vector<HeldSet> sets;
+  const auto add = [&sets](const char* name, Holding holding, std::vector<const char*> reasons) {
+    sets.push_back({name, std::move(holding), std::move(reasons)});
   };
-  return kSets;
+  add("landscape", {}, {"upside down", "known to within"});
+  add("landscape_arc", {.yaw_range_deg = 90}, {"upside down", "known to within"});
+  add("portrait_right", {.rolls_deg = {90}}, {"portrait"});
+  add("portrait_left", {.rolls_deg = {-90}}, {"portrait"});
+  add("portrait_both", {.rolls_deg = {90, -90}}, {"portrait"});
+  add("portrait_one_sided", {.yaw_range_deg = 10, .pitch_range_deg = 5, .rolls_deg = {90}},
+      {"look the same way"});
+  add("mixed", {.rolls_deg = {0, 0, 90, -90}}, {"different ways"});
+  add("upside_down", {.rolls_deg = {180}}, {"upside down", "known to within"});
+  add("some_upside_down", {.rolls_deg = {0, 0, 180}}, {"different ways"});
+  add("nadir", {.pitch_deg = -90, .pitch_range_deg = 4}, {"straight down"});
+  add("oblique_drone", {.pitch_deg = -50, .pitch_range_deg = 10}, {"upside down", "within"});
+  add("one_sided", {.yaw_range_deg = 10, .pitch_deg = 8, .pitch_range_deg = 10},
+      {"look the same way"});
+  add("few", {.photos = 4}, {"there are 4 photos"});
+  return sets;
 }
 
 class HoldingTest : public ::testing::TestWithParam<std::tuple<HeldSet, double, double>> {
@@ -117,11 +119,11 @@ INSTANTIATE_TEST_SUITE_P(AllWays, HoldingTest,
                          ::testing::Combine(::testing::ValuesIn(HeldSets()),
                                             ::testing::Values(1.0, 3.0, 5.0),
                                             ::testing::Values(0.0, 2.0)),
-                         [](const auto& info) {
-                           return std::string(std::get<0>(info.param).name) + "_noise" +
-                                  std::to_string(static_cast<int>(std::get<1>(info.param))) +
+                         [](const auto& test) {
+                           return std::string(std::get<0>(test.param).name) + "_noise" +
+                                  std::to_string(static_cast<int>(std::get<1>(test.param))) +
                                   "_bias" +
-                                  std::to_string(static_cast<int>(std::get<2>(info.param)));
+                                  std::to_string(static_cast<int>(std::get<2>(test.param)));
                          });
 
 class SourceGravityTest : public ::testing::Test {
