@@ -12,6 +12,8 @@ namespace maploc {
 namespace {
 
 constexpr double kChiSquare2At95 = 5.991465;
+// So far outside its interval is one level map in ten thousand: sqrt(18.42 / 5.99).
+constexpr double kBeyondInterval = 1.75;
 
 // By coordinate: robust against the queries whose pose is wrong.
 Eigen::Vector2d MedianTilt(const std::vector<Eigen::Vector2d>& tilts) {
@@ -55,7 +57,7 @@ Lean FindLean(std::span<const RobotTilts> robots, const LeanOptions& options) {
     return (tilt - lean.tilt_rad).norm() < tilt.norm();
   });
   lean.leans = lean.robots >= options.min_robots && angle > options.min_lean_rad &&
-               angle > lean.interval_rad && all_agree;
+               angle > kBeyondInterval * lean.interval_rad && all_agree;
   return lean;
 }
 

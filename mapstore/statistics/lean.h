@@ -38,8 +38,8 @@ struct Lean {
   double interval_rad = 0.0;
   std::int64_t robots = 0;   // that have enough queries
   std::int64_t queries = 0;  // theirs
-  // Enough robots; the lean is of concern, is outside its own interval, and every robot's tilt is
-  // nearer to the mean than to none.
+  // Enough robots; the lean is of concern, is outside 1.75 of its intervals, and every robot's tilt
+  // is nearer to the mean than to none.
   bool leans = false;
 };
 

@@ -137,7 +137,7 @@ TEST_F(ColmapDatabaseTest, GravityIsReadWhereItWasMeasured) {
   for (const int id : {1, 2, 3}) {
     const std::string name = std::string(1, static_cast<char>('a' + id - 1)) + ".jpg";
     AddImage(id, name, {1, 2}, 2, 1, 128);
-    if (id < 3) model.images[id] = {.id = id, .camera_id = 1, .name = name};
+    if (id < 3) model.images[id] = {id, 1, name, {}, {}, {}};
   }
   EXPECT_TRUE(ReadColmapGravity(path_)->empty()) << "a database without the table";
   testing::AddPosePriors(path_, model, {{"a.jpg", {0, 9.81, 0}}});
@@ -165,7 +165,7 @@ TEST_F(ColmapDatabaseTest, RefusesGravityThatIsNoDirection) {
   MakeTables();
   AddImage(1, "a.jpg", {1, 2}, 2, 1, 128);
   ColmapModel model;
-  model.images[1] = {.id = 1, .camera_id = 1, .name = "a.jpg"};
+  model.images[1] = {1, 1, "a.jpg", {}, {}, {}};
   testing::AddPosePriors(path_, model, {{"a.jpg", {0, 0, 0}}});
   EXPECT_THAT(ReadColmapGravity(path_).status().message(),
               HasSubstr("table pose_priors, image 1: its gravity is no direction"));
