@@ -15,7 +15,8 @@ void AddRecordingFlags(CLI::App& command, RecordingOptions& options) {
                          "measured gravity, name,gx,gy,gz: unit, down, camera frame");
   command
       .add_option("--gravity-noise-deg", options.gravity.noise_deg,
-                  "gravity from the reference, turned by N(0, S) about the two horizontal axes")
+                  "gravity from the reference as the map has it (so that a map that leans goes "
+                  "unnoticed), turned by N(0, S) about the two horizontal axes")
       ->excludes(csv);
   command.add_option("--gravity-sigma-deg", options.gravity.sigma_deg,
                      "standard deviation that is sent (default: the noise, or 1 with a CSV)");

@@ -64,6 +64,12 @@ struct ColmapFeatures {
 Result<std::map<std::string, ColmapFeatures>> ReadColmapDatabase(
     const std::string& path, const std::optional<DescriptorKind>& kind = std::nullopt);
 
+// Gravity as the photos' sensors measured it, from COLMAP 4's table pose_priors: unit, down, in the
+// camera frame, by image name. Images without a measurement (no row, NULL or NaN) are left out, and
+// so are all of a database that has no such table or column. Error: a blob that is not three
+// float64, or a direction of no length.
+Result<std::map<std::string, Eigen::Vector3d>> ReadColmapGravity(const std::string& path);
+
 // "name,gx,gy,gz" with '#' comments and a header line: unit gravity, down, in the camera frame, by
 // image name.
 Result<std::map<std::string, Eigen::Vector3d>> ReadGravityCsv(const std::string& path);

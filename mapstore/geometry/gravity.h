@@ -1,12 +1,8 @@
 // Gravity: a unit vector pointing DOWN. In every map it is exactly (0, 0, -1).
 #pragma once
 
-#include <span>
-
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-
-#include "mapstore/geometry/rigid3.h"
 
 namespace maploc {
 
@@ -27,16 +23,5 @@ double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 // A stated standard deviation below this counts as this (0.006 degrees): no accelerometer is exact,
 // a covariance of zero in roll and pitch is a lie, and equations with gravity stay regular.
 inline constexpr double kMinGravitySigmaRad = 1e-4;
-
-struct GravityEstimate {
-  Eigen::Vector3d gravity_in_source = Eigen::Vector3d(0.0, 0.0, -1.0);  // unit, down
-  double spread_rad = 0.0;  // one standard deviation of the cameras' tilt about the estimate
-};
-
-// Gravity in the model's frame, guessed from posed photos: photos are mostly taken with the image's
-// x axis level, so "down" is the direction most nearly perpendicular to all x axes (smallest
-// eigenvector), signed by the y axes. Returns spread_rad = pi / 2 when the poses do not determine
-// it (fewer than two photos or all of one direction).
-GravityEstimate EstimateGravityFromPoses(std::span<const Rigid3> camera_from_source);
 
 }  // namespace maploc

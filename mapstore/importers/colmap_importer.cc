@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "mapstore/importers/point_triangulator.h"
 #include "mapstore/importers/segmenter.h"
 #include "mapstore/importers/shared_error.h"
+#include "mapstore/importers/source_alignment.h"
 
 namespace maploc {
 namespace {
@@ -52,11 +54,14 @@ class Importer {
     if (model_.images.empty()) {
       return InvalidFile(options_.model_directory, "the model has no images");
     }
-    MAPLOC_ASSIGN_OR_RETURN(report_.gravity, FindSourceGravity(model_, options_.gravity_in_source));
+    MAPLOC_RETURN_IF_ERROR(LookAtThePhotos());
+    MAPLOC_ASSIGN_OR_RETURN(const GravityEvidence evidence, TakeGravityEvidence());
+    MAPLOC_ASSIGN_OR_RETURN(
+        report_.gravity, FindSourceGravity(evidence, options_.gravity_in_source, options_.force));
     report_.info.key.name = options_.map_name;
     report_.info.metric = options_.meters_per_unit.has_value();
-    report_.info.map_from_source = AlignSource(report_.gravity.estimate.gravity_in_source,
-                                               options_.meters_per_unit.value_or(1.0));
+    report_.info.map_from_source =
+        AlignSource(report_.gravity.down_in_source, options_.meters_per_unit.value_or(1.0));
     report_.info.shared_error_rad = SharedErrorRad(model_);
     frames_ = MakeKeyFrames(model_, report_.info.map_from_source);
     report_.frames = static_cast<std::int64_t>(frames_.size());
@@ -87,12 +92,10 @@ class Importer {
                               ReadLines(options_.line_file, frames_, report_.info.map_from_source));
       lines_ = std::move(imported.lines);
       report_.info.line_descriptor = imported.kind;
-    } else if (options_.detect_lines && !options_.images_directory.empty()) {
-      MAPLOC_ASSIGN_OR_RETURN(const std::vector<FrameLines> detected,
-                              DetectPhotoLines(options_.images_directory, frames_, progress_));
-      lines_ =
-          TriangulateLines(frames_, detected, FindFrameNeighbours(frames_, points_), {}, progress_);
-      if (!lines_.empty()) report_.info.line_descriptor = detected.front().descriptors.kind;
+    } else if (options_.detect_lines && !looks_.lines.empty()) {
+      lines_ = TriangulateLines(frames_, looks_.lines, FindFrameNeighbours(frames_, points_), {},
+                                progress_);
+      if (!lines_.empty()) report_.info.line_descriptor = looks_.lines.front().descriptors.kind;
     }
     for (LineTrackInMap& line : lines_) {
       const DescriptorKind& kind = report_.info.line_descriptor;
@@ -126,6 +129,36 @@ class Importer {
   }
 
  private:
+  // Lines speak of gravity and become landmarks; where gravity is given and no landmarks are asked
+  // for, they are not worth their time.
+  Status LookAtThePhotos() {
+    const bool makes_lines = options_.detect_lines && options_.line_file.empty();
+    if (options_.images_directory.empty() || (options_.gravity_in_source && !makes_lines)) {
+      return Status::Ok();
+    }
+    MAPLOC_ASSIGN_OR_RETURN(
+        looks_, LookAtPhotos(options_.images_directory, MakeKeyFrames(model_, {}), progress_));
+    return Status::Ok();
+  }
+
+  Result<GravityEvidence> TakeGravityEvidence() const {
+    std::map<std::string, Eigen::Vector3d> measured;  // in the camera
+    if (!options_.database_path.empty()) {
+      MAPLOC_ASSIGN_OR_RETURN(measured, ReadColmapGravity(options_.database_path));
+    }
+    GravityEvidence evidence;
+    for (const auto& [id, image] : model_.images) {
+      const Eigen::Quaterniond& rotation = image.camera_from_source.rotation;
+      evidence.camera_from_source.push_back(rotation);
+      const auto found = measured.find(image.name);
+      if (found == measured.end()) continue;
+      evidence.measured_in_source.emplace_back(rotation.conjugate() * found->second);
+    }
+    evidence.lines = looks_.lines;
+    evidence.brightening = looks_.brightening;
+    return evidence;
+  }
+
   Result<DescriptorKind> PhotoKind() const {
     if (options_.descriptors) return *options_.descriptors;
     return DescriptorKindFromName(kDefaultKind);
@@ -196,6 +229,7 @@ class Importer {
   ProgressFn progress_;
   ColmapImportReport report_;
   ColmapModel model_;
+  PhotoLooks looks_;
   std::vector<KeyFrame> frames_;
   std::vector<PointTrack> points_;
   std::vector<LineTrackInMap> lines_;

@@ -10,7 +10,7 @@
 
 #include "mapstore/base/status.h"
 #include "mapstore/importers/parallel.h"
-#include "mapstore/importers/source_alignment.h"
+#include "mapstore/importers/source_gravity.h"
 #include "mapstore/model/map.h"
 #include "mapstore/store/map_store.h"
 
@@ -21,7 +21,8 @@ struct ColmapImportOptions {
   std::string model_directory;
   std::string database_path;     // empty: none; else points take their observations' descriptors
   std::string images_directory;  // empty: none; lines, and points without a database, come from it
-  std::optional<Eigen::Vector3d> gravity_in_source;  // down; none: estimated from the photos
+  std::optional<Eigen::Vector3d> gravity_in_source;  // down; none: measured or estimated
+  bool force = false;                                // takes a gravity that the photos contradict
   std::optional<double> meters_per_unit;      // given: the map is metric, else its unit unknown
   std::optional<double> segment_length;       // map units; none: DefaultSegmentLength
   bool detect_lines = true;                   // "--lines auto": where there are images

@@ -1,5 +1,6 @@
 #include "mapstore/importers/photo_features.h"
 
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -56,6 +57,31 @@ FrameLines Undistort(const KeyFrame& frame, const LineFeatures& features) {
   return lines;
 }
 
+// The slope of the plane that fits the brightness over x, y in [-0.5, 0.5], over its standard
+// deviation.
+Eigen::Vector2d Brightening(const GrayImage& image) {
+  constexpr int kStepPx = 4;  // a gradient over the whole photo needs no detail
+  double count = 0.0;
+  double sum = 0.0;
+  double squares = 0.0;
+  Eigen::Vector2d moment = Eigen::Vector2d::Zero();
+  for (int y = 0; y < image.height_px; y += kStepPx) {
+    for (int x = 0; x < image.width_px; x += kStepPx) {
+      const auto index = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width_px) +
+                         static_cast<std::size_t>(x);
+      const double value = image.pixels[index];
+      moment += value * Eigen::Vector2d((x + 0.5) / image.width_px - 0.5,
+                                        (y + 0.5) / image.height_px - 0.5);
+      sum += value;
+      squares += value * value;
+      ++count;
+    }
+  }
+  const double variance = squares / count - sum * sum / (count * count);
+  if (!(variance > 1.0)) return Eigen::Vector2d::Zero();  // one shade: no picture
+  return 12.0 * moment / (count * std::sqrt(variance));   // 1/12: the variance of x and of y
+}
+
 }  // namespace
 
 Result<std::vector<PointFeatures>> DetectPhotoPoints(const std::string& images_directory,
@@ -69,15 +95,23 @@ Result<std::vector<PointFeatures>> DetectPhotoPoints(const std::string& images_d
       });
 }
 
-Result<std::vector<FrameLines>> DetectPhotoLines(const std::string& images_directory,
-                                                 std::span<const KeyFrame> frames,
-                                                 const ProgressFn& progress) {
-  return DetectAll<FrameLines>(
-      frames, "detecting lines", progress, [&](const KeyFrame& frame) -> Result<FrameLines> {
-        MAPLOC_ASSIGN_OR_RETURN(const GrayImage image, LoadPhoto(images_directory, frame));
-        MAPLOC_ASSIGN_OR_RETURN(const LineFeatures features, DetectLines(image));
-        return Undistort(frame, features);
-      });
+Result<PhotoLooks> LookAtPhotos(const std::string& images_directory,
+                                std::span<const KeyFrame> frames, const ProgressFn& progress) {
+  using Look = std::pair<FrameLines, Eigen::Vector2d>;
+  MAPLOC_ASSIGN_OR_RETURN(
+      std::vector<Look> looks,
+      DetectAll<Look>(
+          frames, "detecting lines", progress, [&](const KeyFrame& frame) -> Result<Look> {
+            MAPLOC_ASSIGN_OR_RETURN(const GrayImage image, LoadPhoto(images_directory, frame));
+            MAPLOC_ASSIGN_OR_RETURN(const LineFeatures features, DetectLines(image));
+            return Look{Undistort(frame, features), Brightening(image)};
+          }));
+  PhotoLooks result;
+  for (auto& [lines, brightening] : looks) {
+    result.lines.push_back(std::move(lines));
+    result.brightening.push_back(brightening);
+  }
+  return result;
 }
 
 }  // namespace maploc

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "mapstore/base/status.h"
 #include "mapstore/features/features.h"
 #include "mapstore/importers/line_triangulator.h"
@@ -20,9 +22,16 @@ Result<std::vector<PointFeatures>> DetectPhotoPoints(const std::string& images_d
                                                      const DescriptorKind& kind,
                                                      const ProgressFn& progress);
 
-// The same for lines; a segment whose end points cannot be undistorted is left out.
-Result<std::vector<FrameLines>> DetectPhotoLines(const std::string& images_directory,
-                                                 std::span<const KeyFrame> frames,
-                                                 const ProgressFn& progress);
+// What photos show of lines, and of which way up they were taken. One entry a frame each.
+struct PhotoLooks {
+  std::vector<FrameLines> lines;
+  // The way a photo grows brighter, over its width and its height, in its own standard deviations
+  // of brightness. The sky is bright, and light comes from above.
+  std::vector<Eigen::Vector2d> brightening;
+};
+
+// Errors as above; a segment whose end points cannot be undistorted is left out.
+Result<PhotoLooks> LookAtPhotos(const std::string& images_directory,
+                                std::span<const KeyFrame> frames, const ProgressFn& progress);
 
 }  // namespace maploc

@@ -59,6 +59,9 @@ struct Evidence {
   // Between the measured gravity and that of the pose as the matches alone give it (a pose that was
   // pulled by a wrong gravity would hide it); 0 where either is missing.
   double gravity_disagreement_rad = 0.0;
+  // The same with its way: the turn about the map's x and y axes that takes the map's gravity to
+  // the measured one, as the matches alone have it; zero where either is missing.
+  Eigen::Vector2d gravity_tilt_rad = Eigen::Vector2d::Zero();
   // With kLocalized alone: the pose contradicts the gravity that was sent, and does not use it.
   bool gravity_rejected = false;
   double confidence = 0.0;     // probability that the pose is right, in [0, 1]

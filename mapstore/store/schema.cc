@@ -251,6 +251,7 @@ CREATE INDEX inheritance_by_source ON inheritance (source_map, source_segment);
 constexpr std::string_view kVersion5 = R"sql(
 ALTER TABLE segment_features ADD COLUMN viewing BLOB NOT NULL DEFAULT x'';
 ALTER TABLE segment_features ADD COLUMN covariances BLOB NOT NULL DEFAULT x'';
+ALTER TABLE map_versions ADD COLUMN shared_error_rad REAL NOT NULL DEFAULT 0 CHECK (shared_error_rad >= 0);
 
 CREATE TABLE new_observations (
   session TEXT NOT NULL REFERENCES sessions (id),
@@ -269,6 +270,8 @@ CREATE TABLE new_observations (
   time_unix_ns INTEGER NOT NULL,
   inlier_rms_pixels REAL NOT NULL DEFAULT 0,
   gravity_rejected INTEGER NOT NULL DEFAULT 0 CHECK (gravity_rejected IN (0, 1)),
+  gravity_tilt_x_rad REAL NOT NULL DEFAULT 0,
+  gravity_tilt_y_rad REAL NOT NULL DEFAULT 0,
   PRIMARY KEY (session, sequence)
 ) STRICT, WITHOUT ROWID;
 INSERT INTO new_observations (

@@ -54,20 +54,21 @@ Result<std::int64_t> InsertMap(SqliteDatabase& database, const MapInfo& info) {
       "INSERT INTO map_versions (name, version, state, metric, scale, rotation_x, rotation_y, "
       "rotation_z, rotation_w, translation_x, translation_y, translation_z, point_kind, "
       "point_kind_bytes, point_kind_metric, line_kind, line_kind_bytes, line_kind_metric, "
-      "created_unix_ns) VALUES (?1, ?2, 0, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, "
-      "?15, ?16, ?17, ?18)");
+      "created_unix_ns, shared_error_rad) VALUES (?1, ?2, 0, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, "
+      "?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19)");
   const Similarity3& transform = info.map_from_source;
   const DescriptorKind& points = info.point_descriptor;
   const DescriptorKind& lines = info.line_descriptor;
-  MAPLOC_RETURN_IF_ERROR(
-      insert
-          .Bind(info.key.name, info.key.version, info.metric, transform.scale,
-                transform.rotation.x(), transform.rotation.y(), transform.rotation.z(),
-                transform.rotation.w(), transform.translation.x(), transform.translation.y(),
-                transform.translation.z(), points.name, points.bytes,
-                static_cast<std::int64_t>(points.metric), lines.name, lines.bytes,
-                static_cast<std::int64_t>(lines.metric), info.created_unix_ns)
-          .Run());
+  MAPLOC_RETURN_IF_ERROR(insert
+                             .Bind(info.key.name, info.key.version, info.metric, transform.scale,
+                                   transform.rotation.x(), transform.rotation.y(),
+                                   transform.rotation.z(), transform.rotation.w(),
+                                   transform.translation.x(), transform.translation.y(),
+                                   transform.translation.z(), points.name, points.bytes,
+                                   static_cast<std::int64_t>(points.metric), lines.name,
+                                   lines.bytes, static_cast<std::int64_t>(lines.metric),
+                                   info.created_unix_ns, info.shared_error_rad)
+                             .Run());
   return database.LastInsertId();
 }
 

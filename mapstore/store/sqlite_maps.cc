@@ -10,7 +10,7 @@ constexpr std::string_view kMapColumns =
     "id, name, version, metric, scale, rotation_x, rotation_y, rotation_z, rotation_w, "
     "translation_x, translation_y, translation_z, point_kind, point_kind_bytes, "
     "point_kind_metric, line_kind, line_kind_bytes, line_kind_metric, created_unix_ns, "
-    "segment_count, point_count, line_count, usable_line_count";
+    "segment_count, point_count, line_count, usable_line_count, shared_error_rad";
 
 std::string SelectMaps(std::string_view rest) {
   return "SELECT " + std::string(kMapColumns) + " FROM map_versions WHERE state = 1 " +
@@ -45,6 +45,7 @@ StoredMap MapAt(const SqliteStatement& row) {
   map.summary.points = row.Int(20);
   map.summary.lines = row.Int(21);
   map.summary.usable_lines = row.Int(22);
+  info.shared_error_rad = row.Real(23);
   return map;
 }
 

@@ -52,6 +52,7 @@ Observation ObservationAt(const SqliteStatement& row) {
   observation.time_unix_ns = row.Int(15);
   evidence.inlier_rms_px = row.Real(16);
   evidence.gravity_rejected = row.Bool(17);
+  evidence.gravity_tilt_rad = {row.Real(18), row.Real(19)};
   return observation;
 }
 
@@ -64,7 +65,7 @@ Status InsertObservation(SqliteStatement& insert, const SessionId& id, const Obs
             evidence.vertical_lines.inliers, static_cast<std::int64_t>(evidence.strategy),
             evidence.fell_back, evidence.iterations, evidence.gravity_disagreement_rad,
             evidence.confidence, o.total_ms, o.time_unix_ns, evidence.inlier_rms_px,
-            evidence.gravity_rejected)
+            evidence.gravity_rejected, evidence.gravity_tilt_rad.x(), evidence.gravity_tilt_rad.y())
       .Run();
 }
 
@@ -178,9 +179,10 @@ Status InsertObservations(SqliteDatabase& database, const StoredMap& map, const 
       "INSERT INTO observations (session, sequence, segment, outcome, point_matches, "
       "point_inliers, usable_line_matches, usable_line_inliers, vertical_line_matches, "
       "vertical_line_inliers, strategy, fell_back, iterations, gravity_disagreement_rad, "
-      "confidence, total_ms, time_unix_ns, inlier_rms_pixels, gravity_rejected) VALUES (?1, ?2, "
-      "?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19) ON CONFLICT "
-      "(session, sequence) DO NOTHING");
+      "confidence, total_ms, time_unix_ns, inlier_rms_pixels, gravity_rejected, "
+      "gravity_tilt_x_rad, gravity_tilt_y_rad) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
+      "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21) ON CONFLICT (session, sequence) DO "
+      "NOTHING");
   for (const Observation& observation : observations) {
     MAPLOC_RETURN_IF_ERROR(ValidateObservation(observation));
     if (observation.segment >= 0) {
@@ -197,7 +199,8 @@ Result<std::vector<Observation>> ReadObservations(SqliteDatabase& database, cons
       "SELECT sequence, segment, outcome, point_matches, point_inliers, usable_line_matches, "
       "usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back, "
       "iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns, "
-      "inlier_rms_pixels, gravity_rejected FROM observations WHERE session = ?1 ORDER BY sequence");
+      "inlier_rms_pixels, gravity_rejected, gravity_tilt_x_rad, gravity_tilt_y_rad FROM "
+      "observations WHERE session = ?1 ORDER BY sequence");
   return statement.Bind(id).Collect(ObservationAt);
 }
 

@@ -79,8 +79,9 @@ Status ValidateObservation(const Observation& observation) {
   MAPLOC_RETURN_IF_ERROR(ValidateCounts(evidence.points, "observation.points"));
   MAPLOC_RETURN_IF_ERROR(ValidateCounts(evidence.usable_lines, "observation.usable_lines"));
   MAPLOC_RETURN_IF_ERROR(ValidateCounts(evidence.vertical_lines, "observation.vertical_lines"));
-  if (!std::isfinite(evidence.gravity_disagreement_rad) || !std::isfinite(evidence.confidence) ||
-      !std::isfinite(evidence.inlier_rms_px) || !std::isfinite(observation.total_ms)) {
+  if (!std::isfinite(evidence.gravity_disagreement_rad) || !evidence.gravity_tilt_rad.allFinite() ||
+      !std::isfinite(evidence.confidence) || !std::isfinite(evidence.inlier_rms_px) ||
+      !std::isfinite(observation.total_ms)) {
     return InvalidArgument("observation", "holds a number that is not finite");
   }
   return Status::Ok();

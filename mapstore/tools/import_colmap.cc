@@ -14,7 +14,6 @@ namespace maploc {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kDoubtfulSpreadDeg = 5.0;
 
 // The flags as they were given, and what they mean.
 struct Flags {
@@ -48,8 +47,20 @@ Result<ColmapImportOptions> ReadFlags(const Flags& flags) {
   return options;
 }
 
+const char* SourceName(GravitySource source) {
+  switch (source) {
+    case GravitySource::kGiven:
+      return "given";
+    case GravitySource::kMeasured:
+      return "measured";
+    case GravitySource::kEstimated:
+      break;
+  }
+  return "estimated";
+}
+
 nlohmann::ordered_json ToJson(const ColmapImportReport& report, double seconds) {
-  const Eigen::Vector3d& gravity = report.gravity.estimate.gravity_in_source;
+  const Eigen::Vector3d& gravity = report.gravity.down_in_source;
   const Eigen::Quaterniond& rotation = report.info.map_from_source.rotation;
   return {
       {"map", report.info.key.name},
@@ -67,8 +78,9 @@ nlohmann::ordered_json ToJson(const ColmapImportReport& report, double seconds) 
       {"points_without_descriptor", report.points_without_descriptor},
       {"segment_length", report.segment_length},
       {"gravity", {gravity.x(), gravity.y(), gravity.z()}},
-      {"gravity_source", report.gravity.is_given ? "given" : "estimated"},
-      {"gravity_spread_deg", report.gravity.estimate.spread_rad * kDegrees},
+      {"gravity_source", SourceName(report.gravity.source)},
+      {"gravity_interval_deg", report.gravity.interval_rad * kDegrees},
+      {"gravity_basis", report.gravity.basis},
       {"map_from_source",
        {{"scale", report.info.map_from_source.scale},
         {"rotation",
@@ -91,16 +103,17 @@ void PrintSummary(const ColmapImportReport& report, double seconds) {
   std::cout << "; stretches of " << report.segment_length << unit << "; " << seconds << " s\n";
 }
 
-// An estimate is always told: a map that leans is useless to a robot that knows where down is.
+// What was not given is always told: a map that leans is useless to a robot that knows where down
+// is.
 void TellGravity(const SourceGravity& gravity) {
-  if (gravity.is_given) return;
-  const Eigen::Vector3d& g = gravity.estimate.gravity_in_source;
-  const double spread_deg = gravity.estimate.spread_rad * kDegrees;
-  std::cerr << "gravity estimated from the photos: " << g.x() << "," << g.y() << "," << g.z()
-            << " (down, in the model's frame), spread " << spread_deg << " degrees\n";
-  if (spread_deg > kDoubtfulSpreadDeg) {
-    std::cerr << "warning: the photos disagree about gravity; give it as --gravity X,Y,Z\n";
+  if (gravity.source != GravitySource::kGiven) {
+    const Eigen::Vector3d& g = gravity.down_in_source;
+    std::cerr << "gravity " << SourceName(gravity.source) << " from " << gravity.basis << ": "
+              << g.x() << "," << g.y() << "," << g.z()
+              << " (down, in the model's frame), 95% within " << gravity.interval_rad * kDegrees
+              << " degrees\n";
   }
+  if (!gravity.warning.empty()) std::cerr << "warning: " << gravity.warning << "\n";
 }
 
 Status Import(const CommandContext& context, const Flags& flags) {
@@ -156,10 +169,12 @@ void AddSourceFlags(CLI::App& command, Flags& flags) {
 void AddMapFlags(CLI::App& command, Flags& flags) {
   command
       .add_option("--gravity", flags.gravity,
-                  "Down in the model's frame; else estimated from the photos' poses")
+                  "Down in the model's frame; else as the database's pose_priors have it, or "
+                  "estimated from the photos")
       ->delimiter(',')
       ->expected(3)
       ->type_name("X,Y,Z");
+  command.add_flag("--force", flags.options.force, "Take a gravity that the photos contradict");
   command
       .add_option("--scale", flags.options.meters_per_unit,
                   "Makes the map metric; else its unit is unknown")

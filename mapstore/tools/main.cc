@@ -26,6 +26,7 @@ void AddCommands(CLI::App& app, maploc::CommandContext& context) {
   maploc::AddSessionsCommand(app, context);
   maploc::AddRevokeCommand(app, context);
   maploc::AddVerifyCommand(app, context);
+  maploc::AddLevelCommand(app, context);
   maploc::AddBackupCommand(app, context);
   maploc::AddPlotCommand(app, context);
 }

@@ -112,6 +112,7 @@ void Tell(const QueryContext& context, const PoseProblem& problem, const Verdict
   answer.evidence.gravity_disagreement_rad = verdict.gravity.disagreement_rad;
   answer.evidence.inlier_rms_px = verdict.pose.inlier_rms_px;
   answer.evidence.focal_scale = verdict.focal_scale;
+  answer.evidence.gravity_tilt_rad = verdict.gravity.tilt_rad;
   if (verdict.outcome != Outcome::kLocalized) return;
   answer.evidence.gravity_rejected = !verdict.gravity.consistent;
   FillPose(context, verdict.pose, answer);

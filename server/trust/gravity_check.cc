@@ -53,7 +53,7 @@ GravityCheck CompareGravity(const PoseProblem& problem, const RefinedPose& match
   const Eigen::Matrix2d spread =
       matches_alone.covariance.block<2, 2>(3, 3) + sigma * sigma * Eigen::Matrix2d::Identity();
   const double distance2 = tilt.dot(spread.ldlt().solve(tilt));
-  return {tilt.norm(), distance2 <= kChiSquare2AtOneInTenThousand};
+  return {tilt.norm(), tilt, distance2 <= kChiSquare2AtOneInTenThousand};
 }
 
 GravityCheck CheckGravity(const PoseProblem& problem, const RefinedPose& pose,

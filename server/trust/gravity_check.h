@@ -14,7 +14,8 @@
 namespace maploc {
 
 struct GravityCheck {
-  double disagreement_rad = 0.0;  // |v|
+  double disagreement_rad = 0.0;                       // |v|
+  Eigen::Vector2d tilt_rad = Eigen::Vector2d::Zero();  // v
   bool consistent = true;
 };
 

@@ -106,6 +106,7 @@ inline Observation Seen(std::int64_t sequence, SegmentId segment, int point_matc
   observation.evidence.fell_back = true;
   observation.evidence.iterations = 17;
   observation.evidence.gravity_disagreement_rad = 0.01;
+  observation.evidence.gravity_tilt_rad = {0.006, -0.008};
   observation.evidence.confidence = 0.999;
   observation.evidence.inlier_rms_px = 0.7;
   observation.evidence.gravity_rejected = true;

@@ -52,7 +52,7 @@ class MaplocMap : public ::testing::Test {
 
 TEST_F(MaplocMap, EveryCommandHelpsWithAnExample) {
   for (const std::string command : {"list", "segments", "stats", "strategy", "explain", "sessions",
-                                    "revoke", "robots", "verify", "backup", "plot"}) {
+                                    "revoke", "robots", "verify", "level", "backup", "plot"}) {
     const Output run = Map(command + " --help");
     EXPECT_EQ(run.exit_code, 0) << command << ": " << run.error;
     EXPECT_THAT(run.out, HasSubstr("maploc-map " + command + " --store")) << command;

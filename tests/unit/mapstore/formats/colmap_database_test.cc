@@ -7,6 +7,7 @@
 
 #include "mapstore/formats/colmap.h"
 #include "tests/support/files.h"
+#include "tests/support/pose_priors.h"
 #include "tests/support/seed.h"
 
 namespace maploc {
@@ -127,6 +128,49 @@ TEST_F(ColmapDatabaseTest, RefusesRowsThatDisagree) {
   EXPECT_THAT(Error(), HasSubstr("out of range"));
   Execute("UPDATE keypoints SET data = NULL");
   EXPECT_THAT(Error(), HasSubstr("its data has 0 bytes"));
+}
+
+// COLMAP 4's columns; three images, of which one has gravity (unscaled), one NaN, one no row.
+TEST_F(ColmapDatabaseTest, GravityIsReadWhereItWasMeasured) {
+  MakeTables();
+  ColmapModel model;
+  for (const int id : {1, 2, 3}) {
+    const std::string name = std::string(1, static_cast<char>('a' + id - 1)) + ".jpg";
+    AddImage(id, name, {1, 2}, 2, 1, 128);
+    if (id < 3) model.images[id] = {id, 1, name, {}, {}, {}};
+  }
+  EXPECT_TRUE(ReadColmapGravity(path_)->empty()) << "a database without the table";
+  testing::AddPosePriors(path_, model, {{"a.jpg", {0, 9.81, 0}}});
+  Execute(
+      "INSERT INTO pose_priors (corr_data_id, corr_sensor_id, corr_sensor_type, gravity, "
+      "coordinate_system) VALUES (3, 1, 1, x'00', 0)");  // an IMU's data, not image 3's
+  const auto gravity = ReadColmapGravity(path_);
+  ASSERT_TRUE(gravity.ok()) << gravity.status().ToString();
+  ASSERT_EQ(gravity->size(), 1u);
+  EXPECT_LT((gravity->at("a.jpg") - Eigen::Vector3d(0, 1, 0)).norm(), 1e-12);
+}
+
+TEST_F(ColmapDatabaseTest, AnEarlierTableOfPriorsHasNoGravity) {
+  MakeTables();
+  Execute(
+      "CREATE TABLE pose_priors (image_id INTEGER PRIMARY KEY NOT NULL, position BLOB, "
+      "coordinate_system INTEGER NOT NULL, position_covariance BLOB);"
+      "INSERT INTO pose_priors VALUES (1, NULL, 0, NULL)");
+  const auto gravity = ReadColmapGravity(path_);
+  ASSERT_TRUE(gravity.ok()) << gravity.status().ToString();
+  EXPECT_TRUE(gravity->empty());
+}
+
+TEST_F(ColmapDatabaseTest, RefusesGravityThatIsNoDirection) {
+  MakeTables();
+  AddImage(1, "a.jpg", {1, 2}, 2, 1, 128);
+  ColmapModel model;
+  model.images[1] = {1, 1, "a.jpg", {}, {}, {}};
+  testing::AddPosePriors(path_, model, {{"a.jpg", {0, 0, 0}}});
+  EXPECT_THAT(ReadColmapGravity(path_).status().message(),
+              HasSubstr("table pose_priors, image 1: its gravity is no direction"));
+  Execute("UPDATE pose_priors SET gravity = x'0011'");
+  EXPECT_THAT(ReadColmapGravity(path_).status().message(), HasSubstr("not three float64"));
 }
 
 TEST_F(ColmapDatabaseTest, RefusesKeypointsThatAreNotPositions) {

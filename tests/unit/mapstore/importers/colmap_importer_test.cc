@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "mapstore/formats/colmap_writer.h"
+#include "mapstore/geometry/gravity.h"
 #include "mapstore/importers/point_geometry.h"
 #include "mapstore/store/in_memory_store.h"
 #include "tests/support/files.h"
+#include "tests/support/pose_priors.h"
 #include "tests/support/seed.h"
 #include "tests/unit/mapstore/importers/drawn_scene.h"
 
@@ -112,23 +114,23 @@ TEST_F(ColmapImporterTest, WithoutScaleTheUnitIsUnknown) {
   EXPECT_FALSE(Import()->info.metric);
 }
 
-TEST_F(ColmapImporterTest, EstimatesGravityFromLevelPhotosAndSaysSo) {
+TEST_F(ColmapImporterTest, PosesAloneAreRefusedAndMeasurementsTaken) {
+  const Eigen::Vector3d down = *options_.gravity_in_source;
   options_.gravity_in_source.reset();
-  // All photos look the same way, so their level axes say nothing about the lean.
   EXPECT_THAT(Error(), HasSubstr("--gravity"));
-  int i = 0;
-  for (auto& [id, image] : model_.images) {  // turned about the vertical
-    const Rigid3 turn{Eigen::Quaterniond(Eigen::AngleAxisd(0.1 * i++, Eigen::Vector3d::UnitY())),
-                      {0, 0, 0}};
-    image.camera_from_source = turn * image.camera_from_source;
+  std::map<std::string, Eigen::Vector3d> gravity;
+  for (const auto& [id, image] : model_.images) {
+    gravity[image.name] = image.camera_from_source.rotation * down;
   }
-  WriteFiles();
+  testing::AddPosePriors(options_.database_path, model_, gravity);
   const Result<ColmapImportReport> report = Import();
   ASSERT_TRUE(report.ok()) << report.status().ToString();
-  EXPECT_FALSE(report->gravity.is_given);
-  EXPECT_LT(AngleBetween(report->gravity.estimate.gravity_in_source,
-                         source_from_map_.rotation * kGravityInMap),
-            1e-6);
+  EXPECT_EQ(report->gravity.source, GravitySource::kMeasured);
+  EXPECT_LT(AngleBetween(report->gravity.down_in_source, down.normalized()), 1e-6);
+  options_.gravity_in_source = -down;
+  EXPECT_THAT(Import().status().message(), HasSubstr("pose_priors"));
+  options_.force = true;
+  EXPECT_TRUE(Import().ok());
 }
 
 TEST_F(ColmapImporterTest, SegmentsShareTheLandmarksOfTheirBorder) {

@@ -40,6 +40,16 @@ TEST(CompareGravity, CountsThePosesSpreadInItsDirection) {
   EXPECT_FALSE(CompareGravity(Measured(0, 4.4, 1), pose).consistent);
 }
 
+// A robot that is pitched forward by 3 degrees about the map's x axis and does not know it, and one
+// about y: the tilt has their signs.
+TEST(CompareGravity, TellsWhichWay) {
+  const RefinedPose pose;
+  const GravityCheck about_x = CompareGravity(Measured(3, 0, 1), pose);
+  EXPECT_LT((about_x.tilt_rad - Eigen::Vector2d(3 * kDegree, 0)).norm(), 1e-9);
+  const GravityCheck about_y = CompareGravity(Measured(0, -2, 1), pose);
+  EXPECT_LT((about_y.tilt_rad - Eigen::Vector2d(0, -2 * kDegree)).norm(), 1e-9);
+}
+
 SyntheticProblem WithGravityError(double error_deg, double sigma_deg, Random& random) {
   SyntheticOptions options;
   options.point_inliers = 20;

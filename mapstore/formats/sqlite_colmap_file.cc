@@ -1,0 +1,98 @@
+#include "mapstore/formats/sqlite_colmap_file.h"
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+namespace maploc {
+namespace {
+
+// A file path as an SQLite URI. Immutable: the file may lie on a read-only disk, and no lock,
+// journal or shared-memory file must appear beside it.
+std::string ImmutableUri(const std::string& path) {
+  std::string uri = "file:";
+  for (const char c : std::filesystem::absolute(path).string()) {
+    if (c == '%' || c == '?' || c == '#') {
+      constexpr std::string_view kHex = "0123456789abcdef";
+      uri += {'%', kHex[static_cast<unsigned char>(c) >> 4], kHex[c & 15]};
+    } else {
+      uri += c;
+    }
+  }
+  return uri + "?mode=ro&immutable=1";
+}
+
+std::uint32_t BigEndian32(const unsigned char* b) {
+  return std::uint32_t{b[0]} << 24 | std::uint32_t{b[1]} << 16 | std::uint32_t{b[2]} << 8 | b[3];
+}
+
+// SQLite notices missing pages only when it comes to them; the header (its format is documented)
+// tells at once.
+Status CheckHeader(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path)) return NotFound("database '" + path + "'", "FILE_NOT_FOUND");
+  if (!std::filesystem::is_regular_file(path)) return InvalidFile(path, "is not a regular file");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  std::array<unsigned char, 100> header{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(header.data()), header.size());
+  if (error || !file || std::memcmp(header.data(), "SQLite format 3", 16) != 0) {
+    return InvalidFile(path, "is not an SQLite database (or is cut off in its first 100 bytes)");
+  }
+  const std::uint32_t page =
+      header[16] == 0 && header[17] == 1 ? 65536u : std::uint32_t{header[16]} << 8 | header[17];
+  const bool count_is_valid = BigEndian32(&header[24]) == BigEndian32(&header[92]);
+  const std::uint64_t expected = std::uint64_t{page} * BigEndian32(&header[28]);
+  if (count_is_valid && size < expected) {
+    return InvalidFile(path, "is truncated: its header promises " + std::to_string(expected) +
+                                 " bytes, it has " + std::to_string(size));
+  }
+  const std::string log = path + "-wal";
+  if (std::filesystem::exists(log) && std::filesystem::file_size(log, error) > 0) {
+    return InvalidFile(
+        path,
+        "has a write-ahead log beside it, so another program is writing it or died; "
+        "close that program, or run: sqlite3 FILE 'PRAGMA wal_checkpoint(TRUNCATE)'");
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+Result<SqliteColmapFile> SqliteColmapFile::Open(const std::string& path) {
+  MAPLOC_RETURN_IF_ERROR(CheckHeader(path));
+  SqliteColmapFile file;
+  file.path_ = path;
+  sqlite3* raw = nullptr;
+  const int code = sqlite3_open_v2(ImmutableUri(path).c_str(), &raw,
+                                   SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
+  file.database_.reset(raw);
+  if (code != SQLITE_OK) return file.SqliteError("cannot be opened");
+  // The file is not ours: its schema must not be able to run anything.
+  sqlite3_db_config(raw, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  sqlite3_db_config(raw, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
+  return file;
+}
+
+Result<ColmapStatement> SqliteColmapFile::Prepare(const char* sql) const {
+  sqlite3_stmt* raw = nullptr;
+  if (sqlite3_prepare_v2(database_.get(), sql, -1, &raw, nullptr) != SQLITE_OK) {
+    return SqliteError("is not a COLMAP database");
+  }
+  return ColmapStatement(raw);
+}
+
+Status SqliteColmapFile::SqliteError(const std::string& what) const {
+  return InvalidFile(path_, what + ": " + sqlite3_errmsg(database_.get()));
+}
+
+Status SqliteColmapFile::RowError(const char* table, std::int64_t image_id,
+                                  const std::string& message) const {
+  return InvalidFile(path_, "table " + std::string(table) + ", image " + std::to_string(image_id) +
+                                ": " + message);
+}
+
+}  // namespace maploc

@@ -1,0 +1,71 @@
+#include "mapstore/statistics/lean.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "mapstore/base/median.h"
+#include "mapstore/geometry/gravity.h"
+
+namespace maploc {
+namespace {
+
+constexpr double kChiSquare2At95 = 5.991465;
+// So far outside its interval is one level map in ten thousand: sqrt(18.42 / 5.99).
+constexpr double kBeyondInterval = 1.75;
+
+// By coordinate: robust against the queries whose pose is wrong.
+Eigen::Vector2d MedianTilt(const std::vector<Eigen::Vector2d>& tilts) {
+  std::vector<double> x;
+  std::vector<double> y;
+  for (const Eigen::Vector2d& tilt : tilts) {
+    x.push_back(tilt.x());
+    y.push_back(tilt.y());
+  }
+  return {Median(std::move(x)), Median(std::move(y))};
+}
+
+// The larger of the robots' own scatter (over both axes) and what is known of mountings.
+double RobotVariance(std::span<const Eigen::Vector2d> tilts, const Eigen::Vector2d& mean,
+                     double least_sigma) {
+  double squares = 0.0;
+  for (const Eigen::Vector2d& tilt : tilts) squares += (tilt - mean).squaredNorm();
+  const double freedom = std::max(1.0, 2.0 * (static_cast<double>(tilts.size()) - 1.0));
+  return std::max(squares / freedom, least_sigma * least_sigma);
+}
+
+}  // namespace
+
+Lean FindLean(std::span<const RobotTilts> robots, const LeanOptions& options) {
+  Lean lean;
+  std::vector<Eigen::Vector2d> tilts;
+  for (const RobotTilts& robot : robots) {
+    const auto queries = static_cast<std::int64_t>(robot.tilts_rad.size());
+    if (queries == 0 || queries < options.min_queries) continue;
+    tilts.push_back(MedianTilt(robot.tilts_rad));
+    lean.queries += queries;
+  }
+  lean.robots = static_cast<std::int64_t>(tilts.size());
+  if (tilts.empty()) return lean;
+  const auto count = static_cast<double>(tilts.size());
+  for (const Eigen::Vector2d& tilt : tilts) lean.tilt_rad += tilt / count;
+  const double variance = RobotVariance(tilts, lean.tilt_rad, options.robot_sigma_rad);
+  lean.interval_rad = std::sqrt(kChiSquare2At95 * variance / count);
+  const double angle = lean.tilt_rad.norm();
+  const bool all_agree = std::all_of(tilts.begin(), tilts.end(), [&](const Eigen::Vector2d& tilt) {
+    return (tilt - lean.tilt_rad).norm() < tilt.norm();
+  });
+  lean.leans = lean.robots >= options.min_robots && angle > options.min_lean_rad &&
+               angle > kBeyondInterval * lean.interval_rad && all_agree;
+  return lean;
+}
+
+Eigen::Vector3d GravityOfLean(const Eigen::Vector2d& tilt_rad) {
+  const double angle = tilt_rad.norm();
+  if (!(angle > 0)) return kGravityInMap;
+  const Eigen::Vector3d axis(tilt_rad.x() / angle, tilt_rad.y() / angle, 0.0);
+  return Eigen::AngleAxisd(angle, axis) * kGravityInMap;
+}
+
+}  // namespace maploc

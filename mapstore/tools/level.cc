@@ -1,0 +1,115 @@
+#include <cmath>
+#include <iostream>
+#include <numbers>
+#include <vector>
+
+#include "mapstore/base/clock.h"
+#include "mapstore/geometry/gravity.h"
+#include "mapstore/model/rotate_segment.h"
+#include "mapstore/tools/commands.h"
+#include "mapstore/tools/output.h"
+
+namespace maploc {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+// A turn that no accelerometer notices makes no version: the command may be repeated.
+constexpr double kSmallestTurnRad = kMinGravitySigmaRad;
+
+struct LevelFlags {
+  std::string map;
+  std::vector<double> gravity;  // three: down, in the map as it is
+};
+
+struct Levelled {
+  MapKey before;
+  MapKey after;  // the same where nothing changed
+  Eigen::Vector3d gravity_in_map;
+  double turn_rad = 0.0;
+};
+
+Result<Eigen::Vector3d> ReadGravity(const std::vector<double>& flag) {
+  const Eigen::Vector3d gravity(flag[0], flag[1], flag[2]);
+  const double norm = gravity.norm();
+  if (gravity.allFinite() && norm > 1e-9 && norm < 1e9) return Eigen::Vector3d(gravity / norm);
+  return InvalidArgument("gravity",
+                         "must be a finite direction other than 0,0,0 (down, in the map's frame)");
+}
+
+// An import like any other, so that the new version inherits what the old one's sessions taught.
+Result<MapKey> WriteTurned(MapStore& store, const MapInfo& before,
+                           const Eigen::Quaterniond& turned_from_map) {
+  MapInfo info = before;
+  info.map_from_source = Similarity3{1.0, turned_from_map, {0, 0, 0}} * before.map_from_source;
+  info.created_unix_ns = SystemClock().NowUnixNanos();
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments,
+                          store.ListSegments(before.key));
+  MAPLOC_ASSIGN_OR_RETURN(const std::unique_ptr<MapWriter> writer, store.BeginImport(info));
+  for (const SegmentSummary& summary : segments) {
+    MAPLOC_ASSIGN_OR_RETURN(const auto segment, store.LoadSegment(before.key, summary.id));
+    MAPLOC_RETURN_IF_ERROR(writer->AddSegment(RotateSegment(turned_from_map, *segment)));
+  }
+  MAPLOC_RETURN_IF_ERROR(writer->Commit());
+  return writer->key();
+}
+
+Result<Levelled> TurnMap(MapStore& store, const std::string& map,
+                         const Eigen::Vector3d& gravity_in_map) {
+  MAPLOC_ASSIGN_OR_RETURN(const MapSummary summary, store.GetMap(map));
+  Levelled levelled{summary.info.key, summary.info.key, gravity_in_map,
+                    AngleBetween(gravity_in_map, kGravityInMap)};
+  if (levelled.turn_rad < kSmallestTurnRad) return levelled;
+  const Eigen::Quaterniond turned_from_map = CameraFromAligned(gravity_in_map).conjugate();
+  MAPLOC_ASSIGN_OR_RETURN(levelled.after, WriteTurned(store, summary.info, turned_from_map));
+  return levelled;
+}
+
+nlohmann::ordered_json ToJson(const Levelled& levelled) {
+  const Eigen::Vector3d& gravity = levelled.gravity_in_map;
+  return {{"map", levelled.after.name},
+          {"version", levelled.after.version},
+          {"from_version", levelled.before.version},
+          {"changed", levelled.after != levelled.before},
+          {"turn_deg", levelled.turn_rad * kDegrees},
+          {"gravity", {gravity.x(), gravity.y(), gravity.z()}}};
+}
+
+void PrintText(const Levelled& levelled) {
+  if (levelled.after == levelled.before) {
+    std::cout << "Map " << levelled.before.name << " version " << levelled.before.version
+              << " is level already; nothing was changed.\n";
+    return;
+  }
+  std::cout << "Map " << levelled.after.name << " version " << levelled.after.version
+            << " is version " << levelled.before.version << " turned by "
+            << levelled.turn_rad * kDegrees << " degrees.\n";
+}
+
+Status Level(const CommandContext& context, const LevelFlags& flags) {
+  MAPLOC_ASSIGN_OR_RETURN(const Eigen::Vector3d gravity, ReadGravity(flags.gravity));
+  MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
+  MAPLOC_ASSIGN_OR_RETURN(const Levelled levelled, TurnMap(*store, flags.map, gravity));
+  if (context.json) return PrintJson(ToJson(levelled)), Status::Ok();
+  PrintText(levelled);
+  return Status::Ok();
+}
+
+}  // namespace
+
+void AddLevelCommand(CLI::App& app, CommandContext& context) {
+  auto flags = std::make_shared<LevelFlags>();
+  CLI::App* command = AddCommand(
+      app, context, "level", "Turns a map that leans: a new version, whose gravity is (0, 0, -1)",
+      "maploc-map level --store campus.db --map yard --gravity 0.02,0,-1\n"
+      "The new version inherits what sessions taught. Where gravity is (0, 0, -1) already, "
+      "nothing is changed.",
+      [&context, flags] { return Level(context, *flags); });
+  AddMapOption(*command, flags->map);
+  command->add_option("--gravity", flags->gravity, "Down in the frame of the map as it is")
+      ->required()
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("X,Y,Z");
+}
+
+}  // namespace maploc

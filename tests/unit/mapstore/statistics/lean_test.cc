@@ -1,0 +1,89 @@
+#include "mapstore/statistics/lean.h"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "mapstore/geometry/gravity.h"
+#include "tests/support/seed.h"
+
+namespace maploc {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// A robot in a map that leans, mounted askew by `mount` and with a degree of noise in each query.
+RobotTilts Drive(const std::string& name, const Eigen::Vector2d& lean_deg,
+                 const Eigen::Vector2d& mount_deg, int queries, Random& random) {
+  RobotTilts robot{name, {}};
+  for (int i = 0; i < queries; ++i) {
+    const Eigen::Vector2d noise(random.Gaussian(), random.Gaussian());
+    robot.tilts_rad.push_back((lean_deg + mount_deg + noise) * kDegree);
+  }
+  return robot;
+}
+
+Eigen::Vector2d Mount(Random& random) { return {random.Gaussian(0.5), random.Gaussian(0.5)}; }
+
+TEST(FindLean, RobotsThatDisagreeTheSameWayMakeAMapThatLeans) {
+  Random random = testing::TestRandom();
+  int within = 0;
+  constexpr int kTrials = 200;
+  for (int i = 0; i < kTrials; ++i) {
+    const Eigen::Vector2d truth(3, -2);
+    std::vector<RobotTilts> robots;
+    for (const char* name : {"a", "b", "c", "d"}) {
+      robots.push_back(Drive(name, truth, Mount(random), 40, random));
+    }
+    const Lean lean = FindLean(robots);
+    EXPECT_TRUE(lean.leans);
+    EXPECT_EQ(lean.robots, 4);
+    EXPECT_EQ(lean.queries, 160);
+    within += (lean.tilt_rad - truth * kDegree).norm() < lean.interval_rad ? 1 : 0;
+  }
+  EXPECT_GE(within, 0.9 * kTrials);
+}
+
+TEST(FindLean, AMapThatIsLevelDoesNot) {
+  Random random = testing::TestRandom();
+  for (int i = 0; i < 200; ++i) {
+    std::vector<RobotTilts> robots;
+    for (const char* name : {"a", "b", "c"}) {
+      robots.push_back(Drive(name, {0, 0}, Mount(random), 40, random));
+    }
+    EXPECT_FALSE(FindLean(robots).leans);
+  }
+}
+
+TEST(FindLean, OneRobotThatIsMountedAskewAccusesNoMap) {
+  Random random = testing::TestRandom();
+  const RobotTilts askew = Drive("askew", {0, 0}, {8, 0}, 400, random);
+  const RobotTilts level = Drive("level", {0, 0}, {0, 0}, 40, random);
+  const RobotTilts brief = Drive("brief", {8, 0}, {0, 0}, 2, random);
+  EXPECT_FALSE(FindLean(std::vector{askew}).leans);
+  EXPECT_FALSE(FindLean(std::vector{askew, level}).leans);
+  EXPECT_FALSE(FindLean(std::vector{askew, brief}).leans) << "two queries are no second voice";
+  EXPECT_EQ(FindLean({}).robots, 0);
+}
+
+TEST(FindLean, ASmallLeanIsNobodysConcern) {
+  Random random = testing::TestRandom();
+  std::vector<RobotTilts> robots;
+  for (int i = 0; i < 50; ++i) {
+    robots.push_back(Drive(std::to_string(i), {0.7, 0}, Mount(random), 40, random));
+  }
+  const Lean lean = FindLean(robots);
+  EXPECT_FALSE(lean.leans);
+  EXPECT_NEAR(lean.tilt_rad.x(), 0.7 * kDegree, 0.3 * kDegree);
+}
+
+// Robots that measure down as (0.1, 0, -1) in the map's frame: it leans about y.
+TEST(GravityOfLean, IsWhatTheRobotsMeasured) {
+  const Eigen::Vector3d measured = Eigen::Vector3d(0.1, 0, -1).normalized();
+  const double angle = AngleBetween(kGravityInMap, measured);
+  EXPECT_LT((GravityOfLean({0, -angle}) - measured).norm(), 1e-12);
+  EXPECT_EQ(GravityOfLean({0, 0}), kGravityInMap);
+}
+
+}  // namespace
+}  // namespace maploc
