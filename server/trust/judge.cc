@@ -1,6 +1,7 @@
 #include "server/trust/judge.h"
 
 #include "mapstore/geometry/line.h"
+#include "mapstore/geometry/pixel_scale.h"
 #include "server/trust/confidence.h"
 #include "server/trust/rival.h"
 
@@ -21,10 +22,11 @@ bool IsInlier(const std::vector<std::uint8_t>& inliers, std::size_t index) {
 
 Verdict JudgePose(const PoseProblem& problem, const RefinedPose& pose, const Camera& camera,
                   const JudgeOptions& options) {
+  const double scale = PixelScale(camera);
   const ConfidenceOptions confidence{
       .max_reprojection_error_px = options.max_reprojection_error_px,
-      .image_width_px = camera.width_px(),
-      .image_height_px = camera.height_px(),
+      .image_width_px = static_cast<int>(camera.width_px() / scale),
+      .image_height_px = static_cast<int>(camera.height_px() / scale),
       .iterations = options.iterations,
   };
   Verdict verdict;
