@@ -6,7 +6,6 @@
 namespace maploc {
 
 double PixelScale(const Camera& camera) {
-  constexpr double kVgaDiagonalPx = 800.0;
   constexpr double kVgaFocalPx = 500.0;
   const double by_size = std::hypot(camera.width_px(), camera.height_px()) / kVgaDiagonalPx;
   const double by_angle = camera.MeanFocalLengthPx() / kVgaFocalPx;

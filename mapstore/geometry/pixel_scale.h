@@ -16,6 +16,8 @@ namespace maploc {
 // keypoint's own error of a pixel is what is left.
 double PixelScale(const Camera& camera);
 
+inline constexpr double kVgaDiagonalPx = 800.0;
+
 // Up to so many pixels of its image a feature agrees with a pose: 4 of a VGA-sized image.
 inline constexpr double kInlierThresholdVgaPx = 4.0;
 inline double InlierThresholdPx(const Camera& camera) {

@@ -53,7 +53,7 @@ Consensus Estimate(const QueryContext& context, const MapSnapshot::Entry& entry,
     options.max_iterations =
         Patience(strategy, entry.decision.predicted_success, options.max_iterations);
   }
-  options.max_reprojection_error_px = context.options.max_reprojection_error_px;
+  options.max_reprojection_error_px = context.MaxErrorVgaPx();
   options.seed = Random(context.seed).Fork(entry.segment->id).Next();
   options.deadline = context.interrupt.deadline;
   options.cancelled = context.interrupt.cancelled;
@@ -65,7 +65,7 @@ Consensus Estimate(const QueryContext& context, const MapSnapshot::Entry& entry,
 RefineOptions Refining(const QueryContext& context) {
   RefineOptions options;
   options.mode = context.query.refinement;
-  options.max_reprojection_error_px = context.options.max_reprojection_error_px;
+  options.max_reprojection_error_px = context.MaxErrorVgaPx();
   return options;
 }
 
@@ -90,7 +90,7 @@ void Judge(const QueryContext& context, const PoseProblem& problem, const Refine
   const JudgeOptions options{
       .contradicts_gravity = problem.has_gravity && !gravity.consistent,
       .min_confidence = context.options.min_confidence,
-      .max_reprojection_error_px = context.options.max_reprojection_error_px,
+      .max_reprojection_error_px = context.MaxErrorVgaPx(),
       .iterations = iterations,
   };
   const Verdict verdict = JudgePose(problem, pose, context.view().camera, options);

@@ -53,6 +53,14 @@ inline PoseProblem SeenThrough(const Camera& camera, const Eigen::Quaterniond& t
   return BuildPoseProblem(matches, view, segment, gravity).problem;
 }
 
+// A problem that keeps only what a lens of 180 degrees shows, its features with frames: what
+// benchmarks compare with the pinhole's own.
+inline SyntheticProblem ThroughFisheye(SyntheticProblem made) {
+  made.problem = SeenThrough(FisheyeOf(180, made.problem.focal_length_px),
+                             Eigen::Quaterniond::Identity(), made.problem);
+  return made;
+}
+
 // Each ray turned by N(0, sigma) about two axes across it.
 inline void AddAngularNoise(double sigma_rad, Random& random, PoseProblem* problem) {
   const auto disturb = [&](Eigen::Vector2d* in_plane) {
