@@ -1,5 +1,7 @@
 #include "server/matching/pose_problem.h"
 
+#include <array>
+
 #include "mapstore/geometry/pixel_scale.h"
 
 namespace maploc {
@@ -11,9 +13,17 @@ struct Seen {
   std::optional<PixelFrame> frame;
 };
 
-std::optional<Seen> See(const Camera& camera, const Eigen::Vector2f& pixel_px, double focal) {
+// How one view's pixels become that.
+struct Eye {
+  const Camera& camera;
+  double focal_length_px;  // the problem's
+  bool wide;
+};
+
+std::optional<Seen> See(const Eye& eye, const Eigen::Vector2f& pixel_px) {
+  const auto& [camera, focal, wide] = eye;
   const Eigen::Vector2d pixel = pixel_px.cast<double>();
-  if (!camera.IsWide()) {
+  if (!wide) {
     const std::optional<Eigen::Vector2d> normalized = camera.Normalize(pixel);
     return normalized ? std::optional<Seen>({*normalized, std::nullopt}) : std::nullopt;
   }
@@ -23,30 +33,26 @@ std::optional<Seen> See(const Camera& camera, const Eigen::Vector2f& pixel_px, d
   return Seen{(pixel - camera.principal_point_px()) / focal, frame};
 }
 
-void AddPoint(const FeatureMatch& match, const View& view, const Segment& segment,
+void AddPoint(const FeatureMatch& match, const Eye& eye, const View& view, const Segment& segment,
               MatchedProblem& matched) {
-  const std::optional<Seen> seen =
-      See(view.camera, view.points.keypoints_px[match.feature], matched.problem.focal_length_px);
+  const std::optional<Seen> seen = See(eye, view.points.keypoints_px[match.feature]);
   if (!seen) return;
   matched.matches.points.push_back(match);
   matched.problem.points.push_back({seen->place, segment.points.positions_in_map[match.landmark],
                                     static_cast<double>(match.ratio), seen->frame});
 }
 
-void AddLine(const FeatureMatch& match, const View& view, const Segment& segment,
+void AddLine(const FeatureMatch& match, const Eye& eye, const View& view, const Segment& segment,
              MatchedProblem& matched) {
-  const auto see = [&](const Eigen::Vector2f& pixel) {
-    return See(view.camera, pixel, matched.problem.focal_length_px);
-  };
-  const std::optional<Seen> start = see(view.lines.starts_px[match.feature]);
-  const std::optional<Seen> end = see(view.lines.ends_px[match.feature]);
+  const std::optional<Seen> start = See(eye, view.lines.starts_px[match.feature]);
+  const std::optional<Seen> end = See(eye, view.lines.ends_px[match.feature]);
   if (!start || !end || start->place == end->place) return;
   matched.matches.lines.push_back(match);
-  LineCorrespondence line{LineSegment2{start->place, end->place},
-                          segment.lines.segments_in_map[match.landmark],
-                          static_cast<double>(match.ratio)};
-  if (start->frame) line.frames = {{*start->frame, *end->frame}};
-  matched.problem.lines.push_back(line);
+  std::optional<std::array<PixelFrame, 2>> frames;
+  if (start->frame) frames = {{*start->frame, *end->frame}};
+  matched.problem.lines.push_back({LineSegment2{start->place, end->place},
+                                   segment.lines.segments_in_map[match.landmark],
+                                   static_cast<double>(match.ratio), frames});
 }
 
 }  // namespace
@@ -62,8 +68,9 @@ MatchedProblem BuildPoseProblem(const Matches& matches, const View& view, const 
     problem.gravity_in_camera = (camera_from_body * gravity->direction_in_body).normalized();
     problem.gravity_sigma_rad = gravity->sigma_rad;
   }
-  for (const FeatureMatch& match : matches.points) AddPoint(match, view, segment, matched);
-  for (const FeatureMatch& match : matches.lines) AddLine(match, view, segment, matched);
+  const Eye eye{view.camera, problem.focal_length_px, view.camera.IsWide()};
+  for (const FeatureMatch& match : matches.points) AddPoint(match, eye, view, segment, matched);
+  for (const FeatureMatch& match : matches.lines) AddLine(match, eye, view, segment, matched);
   return matched;
 }
 

@@ -138,6 +138,18 @@ TEST(CameraTest, RefusesPixelsThatNoRayReaches) {
   EXPECT_TRUE(camera.Normalize({950, 1020}).has_value());
 }
 
+// A plane serves a pinhole at any angle and a common lens, not one that squeezes its rim.
+TEST(CameraTest, IsWideWhereThePlanesPixelsAreNone) {
+  const auto is_wide = [](CameraModel model, std::vector<double> params) {
+    return Camera::Create(model, 752, 480, std::move(params)).value().IsWide();
+  };
+  EXPECT_FALSE(is_wide(CameraModel::kPinhole, {100, 100, 376, 240}));
+  EXPECT_FALSE(is_wide(CameraModel::kOpenCv,
+                       {458.65, 457.3, 367.2, 248.4, -0.2834, 0.074, 0.00019, 1.8e-5}));
+  EXPECT_TRUE(is_wide(CameraModel::kOpenCv, {300, 300, 376, 240, -0.2, 0.02, 0, 0}));
+  EXPECT_TRUE(is_wide(CameraModel::kOpenCvFisheye, {300, 300, 376, 240, 0, 0, 0, 0}));
+}
+
 // A lens of 220 degrees, equidistant but for a little: 90 degrees are no limit.
 TEST(CameraTest, FisheyeSeesBehindItsPlane) {
   const Camera camera = Camera::Create(CameraModel::kOpenCvFisheye, 800, 800,
