@@ -35,7 +35,7 @@ struct PointCorrespondence {
   Eigen::Vector2d normalized = Eigen::Vector2d::Zero();
   Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
   double ratio = 1.0;  // FeatureMatch::ratio
-  std::optional<PixelFrame> frame;
+  std::optional<PixelFrame> frame = std::nullopt;
 };
 
 // A segment seen between two normalized end points; they need not be the images of the map
@@ -44,7 +44,7 @@ struct LineCorrespondence {
   LineSegment2 normalized;
   LineSegment3 segment_in_map;
   double ratio = 1.0;
-  std::optional<std::array<PixelFrame, 2>> frames;  // of start and end, as a point's
+  std::optional<std::array<PixelFrame, 2>> frames = std::nullopt;  // of start and end
 };
 
 // What the estimator works on. Errors times focal_length_px are pixels, of a VGA-sized image
