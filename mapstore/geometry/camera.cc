@@ -137,10 +137,14 @@ double Camera::MeanFocalLengthPx() const {
 
 bool Camera::IsWide() const {
   if (model_ == CameraModel::kOpenCvFisheye) return true;
-  const Eigen::Vector2d half(0.5 * (width_px_ - 1), 0.5 * (height_px_ - 1));
-  for (int i = 0; i < 9; ++i) {  // along the image's edges
-    const Eigen::Vector2d pixel(i % 3 * half.x(), i / 3 * half.y());
-    const auto u = UndistortBrown((pixel - principal_point_px()).cwiseQuotient(focal_lengths_px()));
+  // From the axis to the corner that is furthest: distortion is radial but for a little.
+  const Eigen::Vector2d centre = principal_point_px();
+  const Eigen::Vector2d corner(centre.x() < 0.5 * width_px_ ? width_px_ - 1.0 : 0.0,
+                               centre.y() < 0.5 * height_px_ ? height_px_ - 1.0 : 0.0);
+  constexpr int kLooks = 8;
+  for (int i = 1; i <= kLooks; ++i) {
+    const Eigen::Vector2d offset = static_cast<double>(i) / kLooks * (corner - centre);
+    const auto u = UndistortBrown(offset.cwiseQuotient(focal_lengths_px()));
     if (!u) return true;  // the image reaches a fold, where the scale goes to zero
     const double area = DistortionJacobian(model_, params_.data(), *u).determinant();
     if (area < kLeastPlaneScale * kLeastPlaneScale || area > kMostPlaneScale * kMostPlaneScale) {
