@@ -140,6 +140,7 @@ Status Run(const CommandContext& context, const LocalizeFlags& flags) {
   query.views.push_back(std::move(view));
   query.requested_strategy = flags.method.RequestedStrategy();
   query.refinement = flags.method.RequestedRefinement();
+  query.max_error_px = flags.method.max_error_px;
   MAPLOC_ASSIGN_OR_RETURN(const Localization answer, client.Localize(query, !flags.draw.empty()));
   if (!flags.draw.empty()) {
     MAPLOC_RETURN_IF_ERROR(DrawLocalization(flags.image, query.views[0], answer, flags.draw));

@@ -31,6 +31,11 @@ void AddMethodFlags(CLI::App& command, MethodFlags& flags) {
   command.add_option("--refine", flags.refine, "how the pose is refined")
       ->check(CLI::IsMember({"auto", "4dof", "6dof"}))
       ->capture_default_str();
+  command
+      .add_option("--max-error", flags.max_error_px,
+                  "pixels of the photo within which a feature agrees with a pose (default: the "
+                  "server's, by the photo's size)")
+      ->check(CLI::Range(0.1, 1000.0));
 }
 
 CLI::Validator LabelCheck() {

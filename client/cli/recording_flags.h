@@ -16,10 +16,11 @@ namespace maploc {
 // --colmap, --database, --images, --gravity-csv, --gravity-noise-deg, --gravity-sigma-deg, --seed.
 void AddRecordingFlags(CLI::App& command, RecordingOptions& options);
 
-// --strategy and --refine as they stand on the command line.
+// --strategy, --refine and --max-error as they stand on the command line.
 struct MethodFlags {
   std::string strategy = "auto";
   std::string refine = "auto";
+  std::optional<double> max_error_px;
 
   std::optional<Strategy> RequestedStrategy() const { return StrategyFromName(strategy); }
   Refinement RequestedRefinement() const {

@@ -31,6 +31,7 @@ ReplayOptions OptionsFrom(const ReplayFlags& flags) {
   options.labels = ParseLabels(flags.labels);
   options.strategy = flags.method.RequestedStrategy();
   options.refinement = flags.method.RequestedRefinement();
+  options.max_error_px = flags.method.max_error_px;
   options.prior = flags.prior == "previous" ? PriorMode::kPrevious : PriorMode::kNone;
   return options;
 }

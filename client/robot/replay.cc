@@ -19,6 +19,7 @@ class Runner {
     query.session = session_;
     query.requested_strategy = options_.strategy;
     query.refinement = options_.refinement;
+    query.max_error_px = options_.max_error_px;
     query.prior = prior_;
 
     const auto start = std::chrono::steady_clock::now();

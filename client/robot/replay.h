@@ -24,6 +24,7 @@ struct ReplayOptions {
   std::map<std::string, std::string> labels;
   std::optional<Strategy> strategy;  // unset: the segment's own
   Refinement refinement = Refinement::kAuto;
+  std::optional<double> max_error_px;  // Query::max_error_px
   PriorMode prior = PriorMode::kNone;
   double prior_sigma = 5.0;  // in the map's unit: how far a robot may come between two queries
 };

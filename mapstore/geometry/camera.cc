@@ -4,7 +4,10 @@
 #include <cmath>
 #include <string>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+
+#include "mapstore/geometry/fisheye.h"
 
 namespace maploc {
 namespace {
@@ -37,16 +40,6 @@ Eigen::Vector2d DistortBrown(const Eigen::Vector2d& u, double k1, double k2, dou
           u.y() * (1 + radial) + 2 * p2 * xy + p1 * (r2 + 2 * u.y() * u.y())};
 }
 
-// Equidistant fisheye (Kannala and Brandt): the angle off the axis is bent by an odd polynomial.
-Eigen::Vector2d DistortFisheye(const Eigen::Vector2d& u, const double* k) {
-  const double r = u.norm();
-  if (r < 1e-12) return u;
-  const double theta = std::atan(r);
-  const double t2 = theta * theta;
-  const double bent = theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
-  return u * (bent / r);
-}
-
 Eigen::Vector2d Distort(CameraModel model, const double* params, const Eigen::Vector2d& u) {
   switch (model) {
     case CameraModel::kSimplePinhole:
@@ -59,7 +52,7 @@ Eigen::Vector2d Distort(CameraModel model, const double* params, const Eigen::Ve
     case CameraModel::kOpenCv:
       return DistortBrown(u, params[4], params[5], params[6], params[7]);
     case CameraModel::kOpenCvFisheye:
-      return DistortFisheye(u, params + 4);
+      break;  // knows no plane: fisheye.h
   }
   return u;
 }
@@ -78,25 +71,13 @@ Eigen::Matrix2d DistortionJacobian(CameraModel model, const double* params,
   return jacobian;
 }
 
-// The fisheye polynomial inverted in the angle, where Newton in the plane would overshoot near 90
-// degrees.
-std::optional<Eigen::Vector2d> UndistortFisheye(const double* k, const Eigen::Vector2d& d) {
-  const double bent = d.norm();
-  if (bent < 1e-12) return d;
-  double theta = std::min(bent, 1.5);
-  for (int i = 0; i < 50; ++i) {
-    const double t2 = theta * theta;
-    const double value = theta * (1 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3])))) - bent;
-    const double slope = 1 + t2 * (3 * k[0] + t2 * (5 * k[1] + t2 * (7 * k[2] + t2 * 9 * k[3])));
-    if (!(slope > 0)) return std::nullopt;
-    const double step = value / slope;
-    theta -= step;
-    if (std::abs(step) < 1e-14) break;
-  }
-  constexpr double kMaxTheta = 1.5607;  // 0.01 rad short of 90 degrees
-  if (!(theta > 0) || theta > kMaxTheta) return std::nullopt;
-  return d * (std::tan(theta) / bent);
-}
+// Of a pixel in the plane z = 1, to the mean focal length's: within these the plane serves as well
+// (EuRoC's corners have 0.65; its answers are as good either way), and faster.
+constexpr double kLeastPlaneScale = 0.5;
+constexpr double kMostPlaneScale = 2.0;
+
+// Further off the axis the plane z = 1 is no place for a ray: 0.01 rad short of 90 degrees.
+constexpr double kMaxPlaneTheta = 1.5607;
 
 }  // namespace
 
@@ -112,7 +93,9 @@ std::optional<CameraModel> CameraModelFromName(std::string_view name) {
 int CameraParamCount(CameraModel model) { return Traits(model).param_count; }
 
 Camera::Camera(CameraModel model, int width_px, int height_px, std::vector<double> params)
-    : model_(model), width_px_(width_px), height_px_(height_px), params_(std::move(params)) {}
+    : model_(model), width_px_(width_px), height_px_(height_px), params_(std::move(params)) {
+  if (model_ == CameraModel::kOpenCvFisheye) max_theta_rad_ = MaxBendableAngle(&params_[4]);
+}
 
 Result<Camera> Camera::Create(CameraModel model, int width_px, int height_px,
                               std::vector<double> params, std::string_view field) {
@@ -152,11 +135,38 @@ double Camera::MeanFocalLengthPx() const {
   return std::sqrt(f.x() * f.y());
 }
 
+bool Camera::IsWide() const {
+  if (model_ == CameraModel::kOpenCvFisheye) return true;
+  // From the axis to the corner that is furthest: distortion is radial but for a little.
+  const Eigen::Vector2d centre = principal_point_px();
+  const Eigen::Vector2d corner(centre.x() < 0.5 * width_px_ ? width_px_ - 1.0 : 0.0,
+                               centre.y() < 0.5 * height_px_ ? height_px_ - 1.0 : 0.0);
+  constexpr int kLooks = 8;
+  for (int i = 1; i <= kLooks; ++i) {
+    const Eigen::Vector2d offset = static_cast<double>(i) / kLooks * (corner - centre);
+    const auto u = UndistortBrown(offset.cwiseQuotient(focal_lengths_px()));
+    if (!u) return true;  // the image reaches a fold, where the scale goes to zero
+    const double area = DistortionJacobian(model_, params_.data(), *u).determinant();
+    if (area < kLeastPlaneScale * kLeastPlaneScale || area > kMostPlaneScale * kMostPlaneScale) {
+      return true;
+    }
+  }
+  return false;
+}
+
 std::optional<Eigen::Vector2d> Camera::Normalize(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d distorted =
       (pixel - principal_point_px()).cwiseQuotient(focal_lengths_px());
+  if (model_ == CameraModel::kOpenCvFisheye) {
+    const std::optional<Eigen::Vector3d> ray = FisheyeRay(distorted);
+    if (!ray || ray->z() < std::cos(kMaxPlaneTheta)) return std::nullopt;
+    return ray->hnormalized();
+  }
+  return UndistortBrown(distorted);
+}
+
+std::optional<Eigen::Vector2d> Camera::UndistortBrown(const Eigen::Vector2d& distorted) const {
   if (model_ == CameraModel::kSimplePinhole || model_ == CameraModel::kPinhole) return distorted;
-  if (model_ == CameraModel::kOpenCvFisheye) return UndistortFisheye(&params_[4], distorted);
   Eigen::Vector2d u = distorted;
   for (int i = 0; i < 50; ++i) {
     const Eigen::Vector2d error = Distort(model_, params_.data(), u) - distorted;
@@ -170,10 +180,70 @@ std::optional<Eigen::Vector2d> Camera::Normalize(const Eigen::Vector2d& pixel) c
   return std::nullopt;
 }
 
+std::optional<Eigen::Vector3d> Camera::FisheyeRay(const Eigen::Vector2d& distorted) const {
+  const double bent = distorted.norm();
+  if (bent < 1e-12) return Eigen::Vector3d(distorted.x(), distorted.y(), 1.0);
+  const std::optional<double> theta = Unbend(&params_[4], max_theta_rad_, bent);
+  if (!theta) return std::nullopt;
+  const Eigen::Vector2d outwards = std::sin(*theta) / bent * distorted;
+  return Eigen::Vector3d(outwards.x(), outwards.y(), std::cos(*theta));
+}
+
+std::optional<Eigen::Vector3d> Camera::Ray(const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector2d distorted =
+      (pixel - principal_point_px()).cwiseQuotient(focal_lengths_px());
+  if (model_ == CameraModel::kOpenCvFisheye) return FisheyeRay(distorted);
+  const std::optional<Eigen::Vector2d> plane = UndistortBrown(distorted);
+  if (!plane) return std::nullopt;
+  return plane->homogeneous().normalized();
+}
+
+std::optional<PixelFrame> Camera::Frame(const Eigen::Vector2d& pixel) const {
+  const std::optional<Eigen::Vector3d> ray = Ray(pixel);
+  if (!ray) return std::nullopt;
+  PixelFrame frame;
+  frame.ray = *ray;
+  frame.across = focal_lengths_px().asDiagonal() *
+                 (model_ == CameraModel::kOpenCvFisheye ? FisheyeAcross(*ray) : BrownAcross(*ray));
+  return frame;
+}
+
+// d distorted / d ray. Along the meridian the polynomial's slope; around the axis a circle of the
+// length 2 pi bent for one of 2 pi sin theta.
+Eigen::Matrix<double, 2, 3> Camera::FisheyeAcross(const Eigen::Vector3d& ray) const {
+  const double sine = ray.head<2>().norm();
+  if (sine < 1e-9) return Eigen::Matrix<double, 2, 3>::Identity();
+  const double theta = std::atan2(sine, ray.z());
+  const Eigen::Vector2d outwards = ray.head<2>() / sine;
+  const Eigen::Vector2d around(-outwards.y(), outwards.x());
+  const Eigen::RowVector3d along_meridian(ray.z() * outwards.x(), ray.z() * outwards.y(), -sine);
+  const Eigen::RowVector3d along_circle(around.x(), around.y(), 0.0);
+  return BendSlope(&params_[4], theta) * outwards * along_meridian +
+         Bend(&params_[4], theta) / sine * around * along_circle;
+}
+
+Eigen::Matrix<double, 2, 3> Camera::BrownAcross(const Eigen::Vector3d& ray) const {
+  const Eigen::Vector2d u = ray.hnormalized();
+  Eigen::Matrix<double, 2, 3> by_ray;
+  by_ray << 1, 0, -u.x(), 0, 1, -u.y();
+  return DistortionJacobian(model_, params_.data(), u) * by_ray / ray.z();
+}
+
 std::optional<Eigen::Vector2d> Camera::Project(const Eigen::Vector3d& point_in_camera) const {
-  if (!(point_in_camera.z() > 0)) return std::nullopt;
-  const Eigen::Vector2d u = point_in_camera.head<2>() / point_in_camera.z();
-  return Distort(model_, params_.data(), u).cwiseProduct(focal_lengths_px()) + principal_point_px();
+  Eigen::Vector2d distorted;
+  if (model_ == CameraModel::kOpenCvFisheye) {
+    const double radius = point_in_camera.head<2>().norm();
+    const double theta = std::atan2(radius, point_in_camera.z());
+    if (theta > max_theta_rad_ || point_in_camera.isZero(0)) return std::nullopt;
+    // On the axis the direction does not matter.
+    const double bent = Bend(&params_[4], theta);
+    distorted = radius > 0 ? Eigen::Vector2d(bent / radius * point_in_camera.head<2>())
+                           : Eigen::Vector2d::Zero();
+  } else {
+    if (!(point_in_camera.z() > 0)) return std::nullopt;
+    distorted = Distort(model_, params_.data(), point_in_camera.hnormalized());
+  }
+  return distorted.cwiseProduct(focal_lengths_px()) + principal_point_px();
 }
 
 }  // namespace maploc

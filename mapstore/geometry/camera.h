@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "mapstore/base/status.h"
+#include "mapstore/geometry/pixel_frame.h"
 
 namespace maploc {
 
@@ -47,22 +48,38 @@ class Camera {
   Eigen::Vector2d principal_point_px() const;
   // sqrt(fx fy): turns errors in the normalized plane into pixels.
   double MeanFocalLengthPx() const;
+  // Whether errors in the plane z = 1 times the mean focal length are too far from pixels to be
+  // taken for them: rays and Frame() serve instead.
+  bool IsWide() const;
 
   // The undistorted point (x/z, y/z) in the plane z = 1 whose projection is `pixel`. Newton's
   // iterations; nullopt when they do not converge (a pixel outside of what the distortion can
   // reach) or the ray is 90 degrees or more off the axis.
   std::optional<Eigen::Vector2d> Normalize(const Eigen::Vector2d& pixel) const;
-  // The pixel of a point in the camera's frame; nullopt when it is not in front of the camera (z <=
-  // 0). Not clipped to the image.
+  // The unit ray whose projection is `pixel`, at any angle off the axis; nullopt outside of what
+  // the distortion can reach.
+  std::optional<Eigen::Vector3d> Ray(const Eigen::Vector2d& pixel) const;
+  // The same ray, and how pixels change about it.
+  std::optional<PixelFrame> Frame(const Eigen::Vector2d& pixel) const;
+  // The pixel of a point in the camera's frame; nullopt when it is not in front of the camera: z <=
+  // 0, but of a fisheye what its polynomial does not reach. Not clipped to the image.
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& point_in_camera) const;
 
  private:
   Camera(CameraModel model, int width_px, int height_px, std::vector<double> params);
 
+  // `distorted`: the pixel without principal point and focal lengths.
+  std::optional<Eigen::Vector2d> UndistortBrown(const Eigen::Vector2d& distorted) const;
+  std::optional<Eigen::Vector3d> FisheyeRay(const Eigen::Vector2d& distorted) const;
+  // d distorted / d ray along the sphere.
+  Eigen::Matrix<double, 2, 3> FisheyeAcross(const Eigen::Vector3d& ray) const;
+  Eigen::Matrix<double, 2, 3> BrownAcross(const Eigen::Vector3d& ray) const;
+
   CameraModel model_;
   int width_px_;
   int height_px_;
   std::vector<double> params_;
+  double max_theta_rad_ = 0.0;  // of a fisheye: as far as its polynomial rises
 };
 
 }  // namespace maploc

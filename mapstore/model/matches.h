@@ -2,12 +2,15 @@
 // problem made from them.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "mapstore/geometry/line.h"
+#include "mapstore/geometry/pixel_frame.h"
 #include "mapstore/model/viewing.h"
 
 namespace maploc {
@@ -25,13 +28,17 @@ struct Matches {
   std::vector<FeatureMatch> lines;
 };
 
-// A point seen at `normalized` (undistorted, plane z = 1 of the camera).
+// A point seen at `normalized`: undistorted, in the plane z = 1 of the camera. Of a camera without
+// such a plane (Camera::IsWide) it is the place in the image itself, without principal point and
+// divided by the problem's focal_length_px; errors are then measured by `frame`, whose `across` is
+// divided alike. So errors, lengths and distances times focal_length_px are pixels of either.
 struct PointCorrespondence {
   Eigen::Vector2d normalized = Eigen::Vector2d::Zero();
   Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
   double ratio = 1.0;                        // FeatureMatch::ratio
   PositionCovariance position_covariance{};  // of the landmark; all zero: not known
   ViewingRange viewing;                      // of the landmark
+  std::optional<PixelFrame> frame = std::nullopt;
 };
 
 // A segment seen between two normalized end points; they need not be the images of the map
@@ -40,12 +47,14 @@ struct LineCorrespondence {
   LineSegment2 normalized;
   LineSegment3 segment_in_map;
   double ratio = 1.0;
-  ViewingRange viewing;  // of the landmark
+  ViewingRange viewing;                                            // of the landmark
+  std::optional<std::array<PixelFrame, 2>> frames = std::nullopt;  // of start and end
 };
 
-// What the estimator works on. Errors in the plane z = 1 times focal_length_px are pixels.
+// What the estimator works on. Errors times focal_length_px are pixels, of a VGA-sized image
+// (mapstore/geometry/pixel_scale.h). Either all features have frames or none has.
 struct PoseProblem {
-  double focal_length_px = 1.0;  // Camera::MeanFocalLengthPx; positive
+  double focal_length_px = 1.0;  // Camera::MeanFocalLengthPx / PixelScale; positive
   std::vector<PointCorrespondence> points;
   std::vector<LineCorrespondence> lines;
   Eigen::Vector3d gravity_in_camera =

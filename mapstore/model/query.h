@@ -61,6 +61,8 @@ struct Query {
   std::optional<PosePrior> prior;
   std::optional<Strategy> requested_strategy;
   Refinement refinement = Refinement::kAuto;
+  // Inlier threshold in pixels of the view's image, in [0.1, 1000]; unset: the server's.
+  std::optional<double> max_error_px;
 };
 
 }  // namespace maploc

@@ -73,6 +73,15 @@ Result<Refinement> RefinementFromProto(v1::RefinementMode mode) {
   }
 }
 
+Result<std::optional<double>> MaxErrorFromProto(const v1::LocalizeRequest& request) {
+  if (!request.has_max_error_pixels()) return std::optional<double>();
+  const double max_error_px = request.max_error_pixels();
+  if (!(max_error_px >= 0.1 && max_error_px <= 1000.0)) {
+    return InvalidArgument("max_error_pixels", "must be in [0.1, 1000]", "OUT_OF_RANGE");
+  }
+  return std::optional(max_error_px);
+}
+
 Status CheckNames(const v1::LocalizeRequest& request) {
   MAPLOC_RETURN_IF_ERROR(convert::CheckName("session_id", request.session_id()));
   MAPLOC_RETURN_IF_ERROR(convert::CheckName("map", request.map()));
@@ -113,6 +122,7 @@ Result<Query> QueryFromProto(const v1::LocalizeRequest& request) {
                             convert::StrategyFromProto(request.strategy(), "strategy"));
   }
   MAPLOC_ASSIGN_OR_RETURN(query.refinement, RefinementFromProto(request.refinement()));
+  MAPLOC_ASSIGN_OR_RETURN(query.max_error_px, MaxErrorFromProto(request));
   MAPLOC_ASSIGN_OR_RETURN(View view, ViewFromProto(request.views(0), "views[0]"));
   query.views.push_back(std::move(view));
   return query;

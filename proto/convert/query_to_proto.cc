@@ -38,6 +38,7 @@ void QueryToProto(const Query& query, bool include_matches, v1::LocalizeRequest*
   }
   request->set_refinement(static_cast<v1::RefinementMode>(query.refinement));
   request->set_include_matches(include_matches);
+  if (query.max_error_px) request->set_max_error_pixels(*query.max_error_px);
 }
 
 }  // namespace maploc

@@ -53,7 +53,7 @@ void AddOptions(CLI::App& app, ServerOptions& options) {
                  "Segments that are tried for a query, best ranked first")
       ->check(CLI::Range(1, 10000));
   app.add_option("--max-error", options.localizer.max_reprojection_error_px,
-                 "Inlier threshold, pixels")
+                 "Inlier threshold, pixels of a VGA-sized image; larger images scale it")
       ->check(CLI::Range(0.1, 1000.0));
   app.add_option(
          "--min-confidence", options.localizer.min_confidence,

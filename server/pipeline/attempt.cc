@@ -53,7 +53,7 @@ Consensus Estimate(const QueryContext& context, const MapSnapshot::Entry& entry,
     options.max_iterations =
         Patience(strategy, entry.decision.predicted_success, options.max_iterations);
   }
-  options.max_reprojection_error_px = context.options.max_reprojection_error_px;
+  options.max_reprojection_error_px = context.MaxErrorVgaPx();
   options.seed = Random(context.seed).Fork(entry.segment->id).Next();
   options.deadline = context.interrupt.deadline;
   options.cancelled = context.interrupt.cancelled;
@@ -65,7 +65,7 @@ Consensus Estimate(const QueryContext& context, const MapSnapshot::Entry& entry,
 RefineOptions Refining(const QueryContext& context) {
   RefineOptions options;
   options.mode = context.query.refinement;
-  options.max_reprojection_error_px = context.options.max_reprojection_error_px;
+  options.max_reprojection_error_px = context.MaxErrorVgaPx();
   return options;
 }
 
@@ -101,8 +101,7 @@ void Tell(const QueryContext& context, const PoseProblem& problem, const Verdict
           const Consensus& consensus, Localization& answer) {
   RefinedPose told = verdict.pose;
   if (told.line_inliers.size() != problem.lines.size()) {
-    told.line_inliers =
-        FindInliers(problem, told.camera_from_map, context.options.max_reprojection_error_px).lines;
+    told.line_inliers = FindInliers(problem, told.camera_from_map, context.MaxErrorVgaPx()).lines;
   }
   FillEvidence(problem, told, consensus, answer.evidence);
   answer.point_match_inlier = told.point_inliers;
@@ -110,7 +109,7 @@ void Tell(const QueryContext& context, const PoseProblem& problem, const Verdict
   answer.outcome = verdict.outcome;
   answer.evidence.confidence = verdict.confidence;
   answer.evidence.gravity_disagreement_rad = verdict.gravity.disagreement_rad;
-  answer.evidence.inlier_rms_px = verdict.pose.inlier_rms_px;
+  answer.evidence.inlier_rms_px = PixelScale(context.view().camera) * verdict.pose.inlier_rms_px;
   answer.evidence.focal_scale = verdict.focal_scale;
   answer.evidence.gravity_tilt_rad = verdict.gravity.tilt_rad;
   if (verdict.outcome != Outcome::kLocalized) return;

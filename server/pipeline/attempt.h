@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "mapstore/base/status.h"
+#include "mapstore/geometry/pixel_scale.h"
 #include "mapstore/model/localization.h"
 #include "mapstore/model/matches.h"
 #include "mapstore/model/query.h"
@@ -23,6 +24,11 @@ struct QueryContext {
   std::uint64_t seed;
 
   const View& view() const { return query.views.front(); }
+  // The inlier threshold in pixels of a VGA-sized image, as the problem counts them.
+  double MaxErrorVgaPx() const {
+    if (!query.max_error_px) return options.max_reprojection_error_px;
+    return *query.max_error_px / PixelScale(view().camera);
+  }
 };
 
 // Hypotheses without gravity after those with a wrong one failed: enough for matches of which a

@@ -14,8 +14,8 @@
 namespace maploc {
 
 struct LocalizerOptions {
-  int max_segments_tried = 3;  // best ranked first, then all of them together
-  double max_reprojection_error_px = 4.0;
+  int max_segments_tried = 3;              // best ranked first, then all of them together
+  double max_reprojection_error_px = 4.0;  // of a VGA-sized image (mapstore/geometry/pixel_scale.h)
   double min_confidence = 0.99;
   std::uint64_t seed =
       1;  // mixed with the query's content, so that the same request gives the same answer

@@ -22,7 +22,9 @@ PreparedLine PrepareLine(const LineCorrespondence& line,
                          const Eigen::Matrix3d& aligned_from_camera) {
   PreparedLine prepared;
   const Eigen::Vector3d normal =
-      line.normalized.start.homogeneous().cross(line.normalized.end.homogeneous());
+      line.frames ? (*line.frames)[0].ray.cross((*line.frames)[1].ray)
+                  : Eigen::Vector3d(line.normalized.start.homogeneous())
+                        .cross(Eigen::Vector3d(line.normalized.end.homogeneous()));
   const Eigen::Vector3d along = line.segment_in_map.end - line.segment_in_map.start;
   const bool seen = normal.squaredNorm() > 0 && along.squaredNorm() > 0;
   prepared.plane_normal_in_camera = seen ? Eigen::Vector3d(normal.normalized()) : normal;
@@ -56,11 +58,26 @@ Places MakePlaces(std::vector<std::uint32_t> feature_at) {
 void FillPointArrays(PreparedProblem* prepared) {
   for (const std::uint32_t i : prepared->point_places.feature_at) {
     const PointCorrespondence& point = prepared->centred.points[i];
-    const Eigen::Vector3f p = point.position_in_map.cast<float>();
-    const Eigen::Vector2f seen = point.normalized.cast<float>();
-    prepared->point_arrays.Add(p.x(), p.y(), p.z(), seen.x(), seen.y());
+    const Eigen::Vector3f position = point.position_in_map.cast<float>();
+    if (point.frame) {
+      Eigen::Matrix<float, 3, 3, Eigen::RowMajor> frame;
+      frame << point.frame->ray.transpose().cast<float>(), point.frame->across.cast<float>();
+      prepared->point_arrays.Add(position.data(), frame.data());
+    } else {
+      const Eigen::Vector2f seen = point.normalized.cast<float>();
+      prepared->point_arrays.Add(position.data(), seen.x(), seen.y());
+    }
   }
   prepared->point_arrays.Pad();
+}
+
+void AddFramedLine(const std::array<PixelFrame, 2>& frames, const Eigen::Vector3f& start,
+                   const Eigen::Vector3f& along, LineArrays* arrays) {
+  Eigen::Matrix<float, 6, 3, Eigen::RowMajor> ends;
+  ends << frames[0].ray.transpose().cast<float>(), frames[0].Gradient().cast<float>(),
+      frames[1].ray.transpose().cast<float>(), frames[1].Gradient().cast<float>();
+  const double scale = 0.5 * (frames[0].Scale() + frames[1].Scale());
+  arrays->Add(start.data(), along.data(), ends.data(), static_cast<float>(scale));
 }
 
 void FillLineArrays(PreparedProblem* prepared) {
@@ -69,9 +86,13 @@ void FillLineArrays(PreparedProblem* prepared) {
     const Eigen::Vector3f start = line.segment_in_map.start.cast<float>();
     const Eigen::Vector3f along =
         (line.segment_in_map.end - line.segment_in_map.start).cast<float>();
-    Eigen::Vector4f seen;
-    seen << line.normalized.start.cast<float>(), line.normalized.end.cast<float>();
-    prepared->line_arrays.Add(start.data(), along.data(), seen.data());
+    if (line.frames) {
+      AddFramedLine(*line.frames, start, along, &prepared->line_arrays);
+    } else {
+      Eigen::Vector4f seen;
+      seen << line.normalized.start.cast<float>(), line.normalized.end.cast<float>();
+      prepared->line_arrays.Add(start.data(), along.data(), seen.data());
+    }
   }
   prepared->line_arrays.Pad();
 }
@@ -125,10 +146,14 @@ PreparedProblem PrepareProblem(const PoseProblem& problem, Random& random) {
                                                      : Eigen::Quaterniond::Identity();
   prepared.camera_from_aligned_matrix = camera_from_aligned.toRotationMatrix();
   const Eigen::Matrix3d aligned_from_camera = prepared.camera_from_aligned_matrix.transpose();
+  prepared.points.reserve(prepared.centred.points.size());
   for (const PointCorrespondence& point : prepared.centred.points) {
-    const Eigen::Vector3d ray = point.normalized.homogeneous();
-    prepared.points.push_back({ray, aligned_from_camera * ray, point.position_in_map});
+    const Eigen::Vector3d ray =
+        point.frame ? point.frame->ray : Eigen::Vector3d(point.normalized.homogeneous());
+    prepared.points.push_back({ray, aligned_from_camera * ray, point.position_in_map,
+                               point.frame ? point.frame->Scale() : 0.0});
   }
+  prepared.lines.reserve(prepared.centred.lines.size());
   for (const LineCorrespondence& line : prepared.centred.lines) {
     prepared.lines.push_back(PrepareLine(line, aligned_from_camera));
   }

@@ -17,9 +17,10 @@
 namespace maploc {
 
 struct PreparedPoint {
-  Eigen::Vector3d ray_in_camera;   // z = 1
+  Eigen::Vector3d ray_in_camera;   // z = 1; of a frame unit
   Eigen::Vector3d ray_in_aligned;  // the same, turned
   Eigen::Vector3d position;        // centred map
+  double scale = 0.0;              // of a frame: image length a radian; 0: a plane z = 1
 };
 
 struct PreparedLine {

@@ -1,5 +1,7 @@
 #include "server/ransac/sampler.h"
 
+#include <cmath>
+
 #include "server/solvers/p3p.h"
 #include "server/solvers/up1p1l.h"
 #include "server/solvers/up1p2v.h"
@@ -19,6 +21,19 @@ constexpr double kNoGate = 1.0 / 64;          // below this factor gates are off
 // A draw without replacement: `draw` in [0, n - 1) skips `taken`.
 std::uint32_t Skip(std::uint32_t draw, std::uint32_t taken) {
   return draw < taken ? draw : draw + 1;
+}
+
+// In the plane z = 1; where there is none, of rays (chords, for small ones) times their scale.
+double ImageDistance2(const PreparedPoint& a, const PreparedPoint& b) {
+  const double rays2 = (a.ray_in_camera - b.ray_in_camera).squaredNorm();
+  return a.scale > 0 ? a.scale * b.scale * rays2 : rays2;
+}
+
+// Whether the image point lies nearer to the image line than `distance`: |n . x| / |(nx, ny)|.
+bool IsNearer(const PreparedPoint& point, const PreparedLine& line, double distance) {
+  const Eigen::Vector3d& n = line.plane_normal_in_camera;
+  const double off = std::abs(n.dot(point.ray_in_camera));
+  return point.scale > 0 ? point.scale * off < distance : off < distance * n.head<2>().norm();
 }
 
 }  // namespace
@@ -102,7 +117,7 @@ bool Sampler::DrawTwoPoints(std::uint32_t first, std::uint32_t second, Hypothese
   const PreparedPoint& a = prepared_.points[out->points[0]];
   const PreparedPoint& b = prepared_.points[out->points[1]];
   const double min_distance = gate_ * kMinImageDistancePx / prepared_.centred.focal_length_px;
-  if ((a.ray_in_camera - b.ray_in_camera).squaredNorm() < min_distance * min_distance ||
+  if (ImageDistance2(a, b) < min_distance * min_distance ||
       !IsYawConditioned(a.ray_in_aligned.cross(b.ray_in_aligned), b.position - a.position,
                         gate_ * kMinConditioning)) {
     return false;
@@ -127,10 +142,8 @@ bool Sampler::DrawPointAndLine(std::uint32_t point, std::uint32_t line, Hypothes
   out->lines[0] = prepared_.usable_lines[line];
   const PreparedPoint& p = prepared_.points[out->points[0]];
   const PreparedLine& l = prepared_.lines[out->lines[0]];
-  // Distance of the image point to the image line, in the plane z = 1: |n . x| / |(nx, ny)|.
-  const double distance = gate_ * kMinImageDistancePx / prepared_.centred.focal_length_px *
-                          l.plane_normal_in_camera.head<2>().norm();
-  if (std::abs(l.plane_normal_in_camera.dot(p.ray_in_camera)) < distance ||
+  const double distance = gate_ * kMinImageDistancePx / prepared_.centred.focal_length_px;
+  if (IsNearer(p, l, distance) ||
       !IsYawConditioned(l.plane_normal_in_aligned, l.direction, gate_ * kMinConditioning)) {
     return false;
   }

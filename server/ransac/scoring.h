@@ -9,10 +9,11 @@
 // A point and a line weigh the same: each is two constraints, and the chance that a wrong match
 // agrees is of the same order (disc over image; strip over image times angle).
 //
-// Units: the camera's plane z = 1. No Eigen types here: the kernels are compiled for several
-// targets.
+// Units: the camera's plane z = 1, or what frames are scaled to. No Eigen types here: the kernels
+// are compiled for several targets.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -22,23 +23,38 @@ namespace maploc {
 // Arrays are padded to a multiple of this many with features that can never score.
 inline constexpr std::size_t kScoringPad = 16;
 
+// Seen either in the plane z = 1 or by frames (pixel_frame.h), all alike.
 struct PointArrays {
-  std::vector<float> x, y, z;  // in the map
-  std::vector<float> u, v;     // seen
-  std::size_t count = 0;       // without the padding
+  std::vector<float> x, y, z;               // in the map
+  std::vector<float> u, v;                  // seen in the plane; or
+  std::array<std::vector<float>, 9> frame;  // ray, then the two rows of `across`
+  std::size_t count = 0;                    // without the padding
 
-  void Add(float px, float py, float pz, float pu, float pv);
+  bool has_frames() const { return !frame[0].empty(); }
+  void Add(const float position[3], float seen_u, float seen_v);
+  void Add(const float position[3], const float of_frame[9]);
   void Pad();
+
+ private:
+  void AddPosition(const float position[3]);
 };
 
 struct LineArrays {
-  std::vector<float> x, y, z;         // start in the map
-  std::vector<float> dx, dy, dz;      // end - start
-  std::vector<float> u0, v0, u1, v1;  // seen end points
+  std::vector<float> x, y, z;                 // start in the map
+  std::vector<float> dx, dy, dz;              // end - start
+  std::vector<float> u0, v0, u1, v1;          // seen end points in the plane; or
+  std::array<std::vector<float>, 18> frames;  // of each end ray, then the two rows of the gradient
+  std::vector<float> scale;                   // with frames: image length a radian
   std::size_t count = 0;
 
+  bool has_frames() const { return !scale.empty(); }
   void Add(const float start[3], const float direction[3], const float seen[4]);
+  void Add(const float start[3], const float direction[3], const float of_ends[18],
+           float of_length);
   void Pad();
+
+ private:
+  void AddSegment(const float start[3], const float direction[3]);
 };
 
 // camera_from_map, row-major.

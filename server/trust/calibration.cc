@@ -77,11 +77,20 @@ Eigen::Matrix4d Uncertainty(const LensResponse& response, const Found& found) {
   return uncertainty;
 }
 
+// Its features are seen by rays, not in the plane that a lens bends.
+bool IsWide(const PoseProblem& problem) {
+  return std::ranges::any_of(problem.points,
+                             [](const auto& point) { return point.frame.has_value(); }) ||
+         std::ranges::any_of(problem.lines,
+                             [](const auto& line) { return line.frames.has_value(); });
+}
+
 }  // namespace
 
 CalibrationCheck CheckCalibration(const PoseProblem& problem, const RefinedPose& pose,
                                   double max_reprojection_error_px) {
   CalibrationCheck check;
+  if (IsWide(problem)) return check;
   LensFit fit(problem, pose, max_reprojection_error_px);
   const PoseMatrix as_sent = fit.camera_from_moved_map();
   const LensResponse response = fit.Response();

@@ -27,7 +27,8 @@ struct CalibrationCheck {
   PoseCovariance covariance = PoseCovariance::Zero();
 };
 
-// Gravity, where `problem` has it, is believed. O(inliers); deterministic; thread-safe.
+// Gravity, where `problem` has it, is believed. Wide cameras (features with frames) are not
+// doubted, and cost nothing: their lens is another one. O(inliers); deterministic; thread-safe.
 CalibrationCheck CheckCalibration(const PoseProblem& problem, const RefinedPose& pose,
                                   double max_reprojection_error_px);
 

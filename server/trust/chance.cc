@@ -31,10 +31,48 @@ struct PointUnderPose {
   bool in_front = false;
 };
 
+// What pairs of matches compare by where features have frames.
+struct FramedPoint {
+  PixelFrame frame;           // of what is seen
+  Eigen::Vector3d in_camera;  // the landmark
+};
+
+Eigen::Vector3d InCamera(const PointCorrespondence& match, const PoseMatrix& pose) {
+  return pose.rotation * match.position_in_map + pose.translation;
+}
+
+// How far off the frame's pixel a point is seen, over the whole sphere: along its arc by the scale
+// that the frame has, which is exact near by and of the right size far away.
+Eigen::Vector2d OffsetOf(const PixelFrame& frame, const Eigen::Vector3d& in_camera) {
+  const double depth = frame.ray.dot(in_camera);
+  const Eigen::Vector3d across = in_camera - depth * frame.ray;
+  const double sine = across.norm();
+  if (!(sine > 0)) return Eigen::Vector2d::Zero();
+  return frame.across * across * (std::atan2(sine, depth) / sine);
+}
+
 PointUnderPose Look(const PointCorrespondence& match, const PoseMatrix& pose) {
-  const Eigen::Vector3d q = pose.rotation * match.position_in_map + pose.translation;
+  const Eigen::Vector3d q = InCamera(match, pose);
+  if (match.frame) {
+    return {match.normalized, match.normalized + OffsetOf(*match.frame, q), true};
+  }
   if (q.z() > 0) return {match.normalized, q.hnormalized(), true};
   return {match.normalized, Eigen::Vector2d::Constant(kFarAway), false};
+}
+
+std::vector<FramedPoint> FramedPoints(const std::vector<PointCorrespondence>& points,
+                                      const PoseMatrix& pose) {
+  std::vector<FramedPoint> framed;
+  for (const PointCorrespondence& point : points) {
+    if (point.frame) framed.push_back({*point.frame, InCamera(point, pose)});
+  }
+  return framed;
+}
+
+// Whether the landmark of the one agrees with the feature of the other.
+bool AgreesWith(const PixelFrame& feature, const Eigen::Vector3d& landmark, double threshold2) {
+  const double depth = feature.ray.dot(landmark);
+  return depth > 0 && (feature.across * landmark).squaredNorm() < threshold2 * depth * depth;
 }
 
 // Inliers of which no two are closer together than the threshold, greedily from left to right.
@@ -60,27 +98,46 @@ std::vector<Eigen::Vector2d> DistinctInliers(const std::vector<PointUnderPose>& 
   return kept;
 }
 
+// Of the features that are seen apart from an outlier's, those that `agrees` with its landmark.
+template <typename Agrees>
+PairCount CountPairs(const std::vector<PointUnderPose>& points,
+                     const std::vector<std::size_t>& features, const PointUnderPose& outlier,
+                     double threshold2, const Agrees& agrees) {
+  PairCount count;
+  for (const std::size_t i : features) {  // itself is not apart from itself
+    const bool apart = (points[i].seen - outlier.seen).squaredNorm() >= 4.0 * threshold2;
+    count.pairs += apart ? 1 : 0;
+    count.agreeing += apart && agrees(i) ? 1 : 0;
+  }
+  return count;
+}
+
+// `framed`: of all points, or of none.
 PairCount WrongPairs(const std::vector<PointUnderPose>& points,
+                     const std::vector<FramedPoint>& framed,
                      const std::vector<std::uint8_t>& inliers, double threshold) {
   const double threshold2 = threshold * threshold;
-  std::vector<PointUnderPose> outliers;  // an inlier's place is taken by its own feature
+  std::vector<std::size_t> outliers;  // an inlier's place is taken by its own feature
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (inliers[i] == 0) outliers.push_back(points[i]);
+    if (inliers[i] == 0) outliers.push_back(i);
   }
   const std::vector<std::size_t> features = SpreadIndices(points.size(), kMostFeatures);
   PairCount count;
   std::vector<std::int64_t> per_landmark;
-  for (const std::size_t j : SpreadIndices(outliers.size(), kMostLandmarks)) {
-    const PointUnderPose& outlier = outliers[j];
-    std::int64_t agreeing = 0;
-    for (const std::size_t i : features) {  // itself is not apart from itself
-      const PointUnderPose& point = points[i];
-      const bool apart = (point.seen - outlier.seen).squaredNorm() >= 4.0 * threshold2;
-      const bool agree = (point.seen - outlier.projected).squaredNorm() < threshold2;
-      count.pairs += apart ? 1 : 0;
-      agreeing += apart && agree ? 1 : 0;
-    }
-    per_landmark.push_back(agreeing);
+  for (const std::size_t index : SpreadIndices(outliers.size(), kMostLandmarks)) {
+    const std::size_t j = outliers[index];
+    const PointUnderPose outlier = points[j];
+    const auto in_plane = [&](std::size_t i) {
+      return (points[i].seen - outlier.projected).squaredNorm() < threshold2;
+    };
+    const auto by_frame = [&](std::size_t i) {
+      return AgreesWith(framed[i].frame, framed[j].in_camera, threshold2);
+    };
+    const PairCount of_landmark = framed.empty()
+                                      ? CountPairs(points, features, outlier, threshold2, in_plane)
+                                      : CountPairs(points, features, outlier, threshold2, by_frame);
+    count.pairs += of_landmark.pairs;
+    per_landmark.push_back(of_landmark.agreeing);
   }
   count.agreeing = AgreeingByRepetition(per_landmark);
   return count;
@@ -184,7 +241,7 @@ Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
   agreement.matches = static_cast<int>(points.size());
   agreement.distinct_inliers = CountByClumps(DistinctInliers(under_pose, inliers, threshold),
                                              kClumpGapShare * clump_width, clump_width);
-  agreement.wrong_pairs = WrongPairs(under_pose, inliers, threshold);
+  agreement.wrong_pairs = WrongPairs(under_pose, FramedPoints(points, pose), inliers, threshold);
   agreement.shared_shift = SharedShift(under_pose, inliers, threshold);
   return agreement;
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "mapstore/geometry/pixel_scale.h"
 #include "server/trust/chance.h"
 
 namespace maploc {
@@ -104,8 +105,8 @@ Agreements Agree(const PoseProblem& problem, const RefinedPose& pose,
   const double focal = problem.focal_length_px;
   const double threshold = options.max_reprojection_error_px / focal;
   const double image_area = options.image_width_px / focal * (options.image_height_px / focal);
-  const double clump_width =
-      options.clump_share * std::hypot(options.image_width_px, options.image_height_px) / focal;
+  const double diagonal_px = std::hypot(options.image_width_px, options.image_height_px);
+  const double clump_width = options.clump_share * std::min(diagonal_px, kVgaDiagonalPx) / focal;
   const PoseMatrix matrix(pose.camera_from_map);
   const Agreement points =
       PointAgreement(problem.points, pose.point_inliers, matrix, threshold, clump_width);

@@ -34,8 +34,8 @@ struct ConfidenceOptions {
   int image_width_px = 640;
   int image_height_px = 480;
   int iterations = 1;  // evaluated hypotheses, Consensus::iterations
-  // Of the image's diagonal: as wide as what is moved, or taken for another, as a whole (clumps.h).
-  // With 0 every feature counts.
+  // Of the image's diagonal, but of no more than a VGA-sized image's: as wide as what is moved, or
+  // taken for another, as a whole (clumps.h). With 0 every feature counts.
   double clump_share = 0.08;
 };
 

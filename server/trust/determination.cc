@@ -100,18 +100,13 @@ double ShareOfLimit(const PoseMatrix& pose, const Matrix6& covariance, double ro
 }  // namespace
 
 double MedianInlierDepth(const PoseProblem& problem, const RefinedPose& pose) {
-  const auto depth = [&](const Eigen::Vector3d& in_map) {
-    return (pose.camera_from_map * in_map).z();
-  };
+  const PoseMatrix matrix(pose.camera_from_map);
   std::vector<double> depths;
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
-    if (pose.point_inliers[i] != 0) depths.push_back(depth(problem.points[i].position_in_map));
+    if (pose.point_inliers[i] != 0) depths.push_back(SeenDepth(matrix, problem.points[i]));
   }
   for (std::size_t i = 0; i < problem.lines.size(); ++i) {
-    if (pose.line_inliers[i] == 0) continue;
-    const LineSegment3& segment = problem.lines[i].segment_in_map;
-    depths.push_back(0.5 *
-                     (std::max(depth(segment.start), 0.0) + std::max(depth(segment.end), 0.0)));
+    if (pose.line_inliers[i] != 0) depths.push_back(SeenDepth(matrix, problem.lines[i]));
   }
   return depths.empty() ? 0.0 : UpperMedian(std::move(depths));
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "mapstore/geometry/line.h"
+#include "mapstore/geometry/pixel_scale.h"
 #include "server/trust/calibration.h"
 #include "server/trust/confidence.h"
 #include "server/trust/determination.h"
@@ -33,10 +34,11 @@ PoseProblem WithGravity(PoseProblem problem, bool has_gravity) {
 }
 
 ConfidenceOptions ChanceOptions(const Camera& camera, const TrustOptions& options) {
+  const double scale = PixelScale(camera);
   ConfidenceOptions chance;
   chance.max_reprojection_error_px = options.refine.max_reprojection_error_px;
-  chance.image_width_px = camera.width_px();
-  chance.image_height_px = camera.height_px();
+  chance.image_width_px = static_cast<int>(camera.width_px() / scale);
+  chance.image_height_px = static_cast<int>(camera.height_px() / scale);
   chance.iterations = options.iterations;
   return chance;
 }

@@ -1,5 +1,6 @@
 // How often wrong line matches agree with a pose (chance.h).
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -41,17 +42,63 @@ bool LiesOn(const LineSegment2& segment, const Eigen::Vector3d& line, double dis
          std::abs(line.dot(segment.end.homogeneous())) < distance;
 }
 
-LineUnderPose Look(const LineCorrespondence& match, const PoseMatrix& pose, double min_length) {
-  LineUnderPose line;
-  line.seen = match.normalized;
-  line.seen_line = UnitLine(match.normalized.start.homogeneous().cross(
-      Eigen::Vector3d(match.normalized.end.homogeneous())));
+Eigen::Vector3d LineThrough(const LineSegment2& segment) {
+  return UnitLine(segment.start.homogeneous().cross(Eigen::Vector3d(segment.end.homogeneous())));
+}
+
+// What pairs of matches compare by where features have frames.
+struct FramedLine {
+  LineSegment2 seen;
+  std::array<Eigen::Vector3d, 2> rays;  // of the seen end points
+  std::array<Eigen::Matrix<double, 2, 3>, 2> gradients;
+  Eigen::Vector3d moment;  // of the landmark in the camera
+};
+
+Eigen::Vector3d Moment(const LineCorrespondence& match, const PoseMatrix& pose) {
   const Eigen::Vector3d start = pose.rotation * match.segment_in_map.start + pose.translation;
   const Eigen::Vector3d along =
       pose.rotation * (match.segment_in_map.end - match.segment_in_map.start);
-  line.projected_line = UnitLine(start.cross(along));
-  line.projects = !line.projected_line.isZero() && std::max(start.z(), start.z() + along.z()) > 0 &&
-                  ProjectedLength(pose, match.segment_in_map) >= min_length;
+  return start.cross(along);
+}
+
+FramedLine Framed(const LineCorrespondence& match, const PoseMatrix& pose) {
+  const auto& [first, last] = *match.frames;
+  return {match.normalized,
+          {first.ray, last.ray},
+          {first.Gradient(), last.Gradient()},
+          Moment(match, pose)};
+}
+
+std::vector<FramedLine> FramedLines(const std::vector<LineCorrespondence>& lines,
+                                    const PoseMatrix& pose) {
+  std::vector<FramedLine> framed;
+  for (const LineCorrespondence& line : lines) {
+    if (line.frames) framed.push_back(Framed(line, pose));
+  }
+  return framed;
+}
+
+// Where a landmark is seen about a feature. Without a plane z = 1 straight lines are curved: taken
+// is the chord between the places nearest to the feature's end points.
+Eigen::Vector3d ProjectedNear(const FramedLine& feature, const Eigen::Vector3d& moment) {
+  LineSegment2 chord = feature.seen;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Eigen::Vector2d across = feature.gradients[i] * moment;
+    if (!(across.squaredNorm() > 0)) return Eigen::Vector3d::Zero();
+    (i == 0 ? chord.start : chord.end) -=
+        moment.dot(feature.rays[i]) / across.squaredNorm() * across;
+  }
+  return LineThrough(chord);
+}
+
+LineUnderPose Look(const LineCorrespondence& match, const PoseMatrix& pose, double min_length) {
+  LineUnderPose line;
+  line.seen = match.normalized;
+  line.seen_line = LineThrough(match.normalized);
+  const Eigen::Vector3d moment = Moment(match, pose);
+  line.projected_line =
+      match.frames ? ProjectedNear(Framed(match, pose), moment) : UnitLine(moment);
+  line.projects = !line.projected_line.isZero() && ProjectedLength(pose, match) >= min_length;
   line.alike = line.projects && AreAlike(line.seen_line, line.projected_line);
   const Eigen::Vector2d middle = 0.5 * (match.normalized.start + match.normalized.end);
   line.shift = line.projected_line.dot(middle.homogeneous());
@@ -71,11 +118,13 @@ int DistinctInliers(const std::vector<LineUnderPose>& lines,
   return static_cast<int>(kept.size());
 }
 
-PairCount WrongPairs(const std::vector<LineUnderPose>& lines,
+// `framed`: of all lines, or of none.
+PairCount WrongPairs(const std::vector<LineUnderPose>& lines, const std::vector<FramedLine>& framed,
                      const std::vector<std::uint8_t>& inliers, double threshold) {
   PairCount count;
   std::vector<std::int64_t> per_landmark;
   std::vector<std::size_t> outliers;  // an inlier's place is taken
+  Eigen::Vector3d curved;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (inliers[i] == 0 && lines[i].projects) outliers.push_back(i);
   }
@@ -84,10 +133,12 @@ PairCount WrongPairs(const std::vector<LineUnderPose>& lines,
     const std::size_t j = outliers[index];
     std::int64_t agreeing = 0;
     for (const std::size_t i : features) {
-      if (i == j || !AreAlike(lines[i].seen_line, lines[j].projected_line)) continue;
+      if (!framed.empty()) curved = ProjectedNear(framed[i], framed[j].moment);
+      const Eigen::Vector3d& projected = framed.empty() ? lines[j].projected_line : curved;
+      if (i == j || !AreAlike(lines[i].seen_line, projected)) continue;
       if (LiesOn(lines[i].seen, lines[j].seen_line, 2.0 * threshold)) continue;
       ++count.pairs;
-      agreeing += LiesOn(lines[i].seen, lines[j].projected_line, threshold) ? 1 : 0;
+      agreeing += LiesOn(lines[i].seen, projected, threshold) ? 1 : 0;
     }
     per_landmark.push_back(agreeing);
   }
@@ -137,7 +188,7 @@ Agreement LineAgreement(const std::vector<LineCorrespondence>& lines,
   Agreement agreement;
   agreement.matches = static_cast<int>(lines.size());
   agreement.distinct_inliers = DistinctInliers(under_pose, inliers, threshold);
-  agreement.wrong_pairs = WrongPairs(under_pose, inliers, threshold);
+  agreement.wrong_pairs = WrongPairs(under_pose, FramedLines(lines, pose), inliers, threshold);
   agreement.shared_shift = SharedShift(under_pose, inliers, threshold);
   return agreement;
 }

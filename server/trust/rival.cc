@@ -81,12 +81,23 @@ std::optional<RefinedPose> SearchRival(const PoseProblem& left_over, bool with_g
   return rival;
 }
 
+// What the camera saw with its x turned over: a pixel's own x does not matter to an error's length.
+void Mirror(PixelFrame& frame) {
+  frame.ray.x() *= -1.0;
+  frame.across.col(0) *= -1.0;
+}
+
 // Turned over about the principal point: where that is off, the pose turns with it.
 PoseProblem Mirrored(PoseProblem problem) {
-  for (PointCorrespondence& point : problem.points) point.normalized.x() *= -1.0;
+  for (PointCorrespondence& point : problem.points) {
+    point.normalized.x() *= -1.0;
+    if (point.frame) Mirror(*point.frame);
+  }
   for (LineCorrespondence& line : problem.lines) {
     line.normalized.start.x() *= -1.0;
     line.normalized.end.x() *= -1.0;
+    if (!line.frames) continue;
+    for (PixelFrame& frame : *line.frames) Mirror(frame);
   }
   return problem;
 }

@@ -4,12 +4,13 @@
 // refinement; with it: `maploc-experiments timing`.
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include <benchmark/benchmark.h>
 
 #include "server/ransac/estimator.h"
 #include "tests/experiments/methods/method.h"
-#include "tests/support/synthetic_problem.h"
+#include "tests/support/seen_through.h"
 
 namespace maploc::testing {
 namespace {
@@ -23,6 +24,7 @@ struct Setting {
   int points = 0;
   int inlier_permille = 0;
   int lines = 0;  // at 30% inliers, 90% of them vertical
+  bool fisheye = false;
   auto operator<=>(const Setting&) const = default;
 };
 
@@ -38,7 +40,10 @@ const std::vector<SyntheticProblem>& Problems(const Setting& setting) {
   options.line_outliers = setting.lines - options.line_inliers;
   options.vertical_line_share = 0.9;
   options.gravity_noise_rad = options.gravity_sigma_rad = 0.5 * kDegree;
-  for (int i = 0; i < kProblems; ++i) problems.push_back(MakeSyntheticProblem(options, random));
+  for (int i = 0; i < kProblems; ++i) {
+    SyntheticProblem made = MakeSyntheticProblem(options, random);
+    problems.push_back(setting.fisheye ? ThroughFisheye(std::move(made)) : std::move(made));
+  }
   return problems;
 }
 
@@ -86,6 +91,20 @@ BENCHMARK(BM_Ransac)
     ->ArgNames({"points", "permille", "lines", "strategy"})
     ->ArgsProduct({{1000}, {500, 100, 50, 20}, {0}, {static_cast<int>(Strategy::k2P)}})
     ->ArgsProduct({{1000}, {20}, {300}, {1, 2, 3}})
+    ->Unit(benchmark::kMicrosecond);
+
+// The same scenes, features with frames.
+void BM_RansacFisheye(benchmark::State& state) {
+  Setting setting = ToSetting(state);
+  setting.fisheye = true;
+  Run(state, setting, [&](const SyntheticProblem& made, std::size_t i) {
+    return SolveOurs(made.problem, Strategy::k2P, i + 1);
+  });
+}
+BENCHMARK(BM_RansacFisheye)
+    ->ArgNames({"points", "permille", "lines"})
+    ->ArgsProduct({{1000}, {500, 100, 20}, {0}})
+    ->ArgsProduct({{1000}, {20}, {300}})
     ->Unit(benchmark::kMicrosecond);
 
 // The peer's own time, without the conversion of the problem.

@@ -40,6 +40,10 @@ void FillFeatures(int count, v1::Features* features) {
 const std::vector<Refusal>& Refusals() {
   using R = v1::LocalizeRequest;
   static const std::vector<Refusal> refusals = {
+      {"MaxErrorZero", [](R* r) { r->set_max_error_pixels(0); }, "max_error_pixels",
+       "OUT_OF_RANGE"},
+      {"MaxErrorNan", [](R* r) { r->set_max_error_pixels(kNan); }, "max_error_pixels",
+       "OUT_OF_RANGE"},
       {"KeypointNan", [](R* r) { Points(r)->set_coordinates_pixels(3, kNan); },
        "views[0].points.coordinates_pixels[3]", "NOT_FINITE"},
       {"KeypointInfinite", [](R* r) { Points(r)->set_coordinates_pixels(5, -kInfinity); },

@@ -19,6 +19,7 @@ TEST(QueryFromProto, ReadsEveryField) {
   EXPECT_EQ(query->capture_unix_ns, 1'700'000'000'000'000'000);
   EXPECT_EQ(query->requested_strategy, Strategy::k2P);
   EXPECT_EQ(query->refinement, Refinement::k4Dof);
+  EXPECT_EQ(query->max_error_px, 6.5);
   ASSERT_TRUE(query->gravity.has_value());
   EXPECT_EQ(query->gravity->direction_in_body, Eigen::Vector3d(0, 1, 0));  // normalized
   EXPECT_EQ(query->gravity->sigma_rad, 0.01);

@@ -41,6 +41,7 @@ inline v1::LocalizeRequest ValidRequest() {
   request.set_strategy(v1::STRATEGY_2P);
   request.set_refinement(v1::REFINEMENT_MODE_4DOF);
   request.set_include_matches(true);
+  request.set_max_error_pixels(6.5);
   return request;
 }
 

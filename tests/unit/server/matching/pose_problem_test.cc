@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "mapstore/geometry/pixel_scale.h"
 #include "server/matching/segment_matching.h"
 #include "tests/support/seed.h"
 
@@ -26,10 +27,14 @@ Camera Fisheye() {
       .value();
 }
 
+Camera Pinhole() {
+  return Camera::Create(CameraModel::kPinhole, 640, 480, {300, 310, 320, 240}).value();
+}
+
 // A segment of points and lines before the camera at the map's origin, and the view that it gives:
 // feature i is landmark (count - 1 - i).
 struct Scene {
-  explicit Scene(Random random) {
+  explicit Scene(Random random, const Camera& camera = Fisheye()) : view{camera, {}, {}, {}} {
     view.camera_from_body.rotation = Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized());
     for (int i = 0; i < kCount; ++i) {
       segment.points.ids.push_back(i);
@@ -65,7 +70,7 @@ struct Scene {
     copy(segment.lines.descriptors, view.lines.descriptors);
   }
 
-  View view{Fisheye(), {}, {}, {}};
+  View view;
   Segment segment;
 };
 
@@ -91,11 +96,12 @@ TEST(MatchSegmentTest, LinesOfAnotherKindAndMissingLinesMatchNothing) {
 }
 
 TEST(BuildPoseProblemTest, UndistortsFeaturesIntoThePlaneAtDistanceOne) {
-  const Scene scene(testing::TestRandom());
+  const Scene scene(testing::TestRandom(), Pinhole());
   const Matches matches = MatchSegment(scene.view, scene.segment);
   const MatchedProblem built = BuildPoseProblem(matches, scene.view, scene.segment, std::nullopt);
   ASSERT_EQ(built.problem.points.size(), 20u);
   for (const PointCorrespondence& point : built.problem.points) {
+    EXPECT_FALSE(point.frame.has_value());
     EXPECT_LT((point.normalized - point.position_in_map.hnormalized()).norm(), 1e-6);
   }
   for (const LineCorrespondence& line : built.problem.lines) {
@@ -128,6 +134,39 @@ TEST(BuildPoseProblemTest, TellsFromWhereLandmarksWereSeen) {
   EXPECT_EQ(known.lines[0].viewing, scene.segment.lines.viewing[7]);
 }
 
+TEST(BuildPoseProblemTest, GivesWideCamerasFramesInPixelsOfTheirImage) {
+  const Scene scene(testing::TestRandom());
+  const Matches matches = MatchSegment(scene.view, scene.segment);
+  const PoseProblem problem =
+      BuildPoseProblem(matches, scene.view, scene.segment, std::nullopt).problem;
+  ASSERT_EQ(problem.points.size(), 20u);
+  const double focal = problem.focal_length_px;
+  EXPECT_DOUBLE_EQ(focal, std::sqrt(300.0 * 310.0));
+  const Camera camera = Fisheye();
+  for (const PointCorrespondence& point : problem.points) {
+    const Eigen::Vector2d pixel = *camera.Project(point.position_in_map);
+    EXPECT_LT((focal * point.normalized + camera.principal_point_px() - pixel).norm(), 1e-4);
+    ASSERT_TRUE(point.frame.has_value());
+    EXPECT_LT((point.frame->ray - point.position_in_map.normalized()).norm(), 1e-6);
+    EXPECT_LT((focal * point.frame->across - camera.Frame(pixel)->across).norm(), 1e-2);
+  }
+  for (const LineCorrespondence& line : problem.lines) {
+    ASSERT_TRUE(line.frames.has_value());
+    EXPECT_LT(((*line.frames)[0].ray - line.segment_in_map.start.normalized()).norm(), 1e-6);
+    EXPECT_LT(((*line.frames)[1].ray - line.segment_in_map.end.normalized()).norm(), 1e-6);
+  }
+}
+
+// 8 pixels of 4K, where a radian has as many more: a pixel and a half of VGA's.
+TEST(BuildPoseProblemTest, SaysPixelsOfAVgaSizedImage) {
+  const Camera camera =
+      Camera::Create(CameraModel::kPinhole, 3840, 2160, {3000, 3000, 1920, 1080}).value();
+  const Scene scene(testing::TestRandom(), camera);
+  const PoseProblem problem = BuildPoseProblem({}, scene.view, scene.segment, std::nullopt).problem;
+  EXPECT_NEAR(problem.focal_length_px, 3000 / (std::hypot(3840, 2160) / 800), 1e-9);
+  EXPECT_NEAR(InlierThresholdPx(camera), 4 * std::hypot(3840, 2160) / 800, 1e-9);
+}
+
 TEST(BuildPoseProblemTest, TurnsGravityFromTheBodyIntoTheCamera) {
   const Scene scene(testing::TestRandom());
   const Gravity gravity{Eigen::Vector3d(0.6, 0.0, -0.8), 0.02};
@@ -138,7 +177,6 @@ TEST(BuildPoseProblemTest, TurnsGravityFromTheBodyIntoTheCamera) {
   EXPECT_LT((problem.gravity_in_camera - want).norm(), 1e-12);
 }
 
-// Beyond a right angle off the axis there is no plane at distance one.
 TEST(BuildPoseProblemTest, DropsWhatTheCameraCannotHaveSeenFromMatchesAndProblemAlike) {
   Scene scene(testing::TestRandom());
   scene.view.points.keypoints_px[3] = {50000.0f, 240.0f};

@@ -67,6 +67,16 @@ TEST_F(LocalizerTest, FindsTheRobotInTheSegmentThatItSees) {
   EXPECT_EQ(answer->strategy_source, StrategySource::kDefault);
 }
 
+TEST_F(LocalizerTest, AQueryMayBringItsOwnThreshold) {
+  Query query = world_.See(camera_from_map_, {.pixel_sigma = 4.0, .outlier_share = 0.0}, random_);
+  const auto by_default = Run(query);
+  query.max_error_px = 16.0;
+  const auto by_own = Run(query);
+  ASSERT_TRUE(by_default.ok() && by_own.ok());
+  EXPECT_GT(by_own->evidence.points.inliers, by_default->evidence.points.inliers);
+  EXPECT_GE(by_own->evidence.points.inliers, 0.9 * by_own->evidence.points.matches);
+}
+
 TEST_F(LocalizerTest, EvidenceCountsWhatTheFlagsSay) {
   const auto answer = Run(world_.See(camera_from_map_, {}, random_));
   ASSERT_TRUE(answer.ok());

@@ -63,7 +63,8 @@ TEST(Scoring, AgreesWithThePlainDefinition) {
 
 TEST(Scoring, PaddingNeverScores) {
   PointArrays points;
-  points.Add(0, 0, 2, 0, 0);
+  const float ahead[] = {0, 0, 2};
+  points.Add(ahead, 0, 0);
   points.Pad();
   LineArrays lines;
   const float start[] = {-1, 0, 2}, direction[] = {2, 0, 0}, seen[] = {-0.1f, 0, 0.1f, 0};
@@ -79,7 +80,8 @@ TEST(Scoring, PaddingNeverScores) {
 
 TEST(Scoring, BehindTheCameraAndDotsScoreNothing) {
   PointArrays points;
-  points.Add(0, 0, -2, 0, 0);
+  const float behind_camera[] = {0, 0, -2};
+  points.Add(behind_camera, 0, 0);
   points.Pad();
   LineArrays lines;
   const float seen[] = {-0.1f, 0, 0.1f, 0};

@@ -4,33 +4,10 @@
 
 #include "tests/support/seed.h"
 #include "tests/support/synthetic_problem.h"
+#include "tests/unit/server/solvers/numeric_jacobian.h"
 
 namespace maploc::testing {
 namespace {
-
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-PoseMatrix Perturbed(const PoseMatrix& pose, const Vector6& by) {
-  PoseMatrix moved = pose;
-  const Eigen::Vector3d w = by.head<3>();
-  if (w.norm() > 0) {
-    moved.rotation = Eigen::AngleAxisd(w.norm(), w.normalized()).toRotationMatrix() * pose.rotation;
-  }
-  moved.translation += by.tail<3>();
-  return moved;
-}
-
-// Central differences of `error` at `pose`.
-template <typename Error>
-Jacobian26 NumericJacobian(const PoseMatrix& pose, const Error& error) {
-  Jacobian26 jacobian;
-  constexpr double kStep = 1e-6;
-  for (int i = 0; i < 6; ++i) {
-    const Vector6 step = kStep * Vector6::Unit(i);
-    jacobian.col(i) = (error(Perturbed(pose, step)) - error(Perturbed(pose, -step))) / (2 * kStep);
-  }
-  return jacobian;
-}
 
 SyntheticProblem MakeScene(Random& random) {
   SyntheticOptions options;
@@ -112,7 +89,7 @@ TEST(Reprojection, ALineThatCrossesTheCamerasPlaneIsLong) {
   LineCorrespondence line;
   line.segment_in_map = {{1, 1, -3}, {1, 1, 5}};  // beside the camera, along its axis
   line.normalized = {{0.2, 0.2}, {0.5, 0.5}};
-  EXPECT_TRUE(std::isinf(ProjectedLength(PoseMatrix(), line.segment_in_map)));
+  EXPECT_TRUE(std::isinf(ProjectedLength(PoseMatrix(), line)));
   EXPECT_TRUE(IsLineInlier(PoseMatrix(), line, 0.01, 0.01));
 }
 
