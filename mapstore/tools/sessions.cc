@@ -4,6 +4,7 @@
 #include "mapstore/statistics/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/fleet.h"
+#include "mapstore/tools/lean_warning.h"
 #include "mapstore/tools/output.h"
 
 namespace maploc {
@@ -84,8 +85,7 @@ SessionLine LineOf(const SeenSession& seen) {
   return line;
 }
 
-Result<std::vector<SessionLine>> ReadLines(const MapStore& store) {
-  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, ReadSessions(store));
+std::vector<SessionLine> MakeLines(const std::vector<SeenSession>& sessions) {
   std::map<MapKey, std::map<SessionId, std::vector<RobotDifference>>> compared;
   for (const SeenSession& seen : sessions) {
     const auto [found, fresh] = compared.try_emplace(seen.session.map);
@@ -104,7 +104,9 @@ Result<std::vector<SessionLine>> ReadLines(const MapStore& store) {
 
 Status Sessions(const CommandContext& context) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
-  MAPLOC_ASSIGN_OR_RETURN(const auto lines, ReadLines(*store));
+  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, ReadSessions(*store));
+  for (const std::string& lean : DescribeLeans(sessions)) std::cerr << lean << "\n";
+  const std::vector<SessionLine> lines = MakeLines(sessions);
   if (!context.json) return PrintTable(lines), Status::Ok();
   auto document = nlohmann::ordered_json::array();
   for (const SessionLine& line : lines) document.push_back(ToJson(line));
@@ -115,8 +117,10 @@ Status Sessions(const CommandContext& context) {
 }  // namespace
 
 void AddSessionsCommand(CLI::App& app, CommandContext& context) {
-  AddCommand(app, context, "sessions", "Lists the robots' sessions, oldest first",
-             "maploc-map sessions --store campus.db", [&context] { return Sessions(context); });
+  AddCommand(
+      app, context, "sessions",
+      "Lists the robots' sessions, oldest first; says whether their gravity finds a map leaning",
+      "maploc-map sessions --store campus.db", [&context] { return Sessions(context); });
 }
 
 }  // namespace maploc

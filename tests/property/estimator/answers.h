@@ -34,9 +34,10 @@ inline Answer Estimate(const PoseProblem& problem, const Rigid3& truth, const Ca
   answer.error = ComparePoses(pose.camera_from_map, truth);
   answer.error.position /= unit;
   answer.right = answer.error.rotation_rad < 1.5 * kDegree && answer.error.position < 0.15;
-  JudgeOptions judge;
-  judge.iterations = consensus.iterations;
-  answer.localized = JudgePose(problem, pose, camera, judge).outcome == Outcome::kLocalized;
+  TrustOptions trust;
+  trust.gravity_was_sent = problem.has_gravity;
+  trust.iterations = consensus.iterations;
+  answer.localized = JudgePose(problem, pose, camera, trust).outcome == Outcome::kLocalized;
   return answer;
 }
 

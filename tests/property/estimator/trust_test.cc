@@ -7,6 +7,7 @@
 
 #include "server/ransac/estimator.h"
 #include "server/trust/confidence.h"
+#include "server/trust/judge.h"
 #include "tests/support/moved_signs.h"
 #include "tests/support/repeated_pattern.h"
 #include "tests/support/seed.h"
@@ -16,12 +17,18 @@ namespace maploc::testing {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kBar = 0.99;
 
 struct Answer {
   double confidence = 0.0;
+  bool localized = false;
   Rigid3 camera_from_map;
 };
+
+const Camera& ImageCamera() {
+  static const Camera camera =
+      Camera::Create(CameraModel::kSimplePinhole, 640, 480, {500, 319.5, 239.5}).value();
+  return camera;
+}
 
 Answer Localize(const PoseProblem& problem, std::uint64_t seed, int max_iterations) {
   RansacOptions ransac;
@@ -31,10 +38,13 @@ Answer Localize(const PoseProblem& problem, std::uint64_t seed, int max_iteratio
   Answer answer;
   if (!consensus.found) return answer;
   const RefinedPose pose = RefinePose(problem, consensus.camera_from_map, {});
-  ConfidenceOptions confidence;
-  confidence.iterations = consensus.iterations;
-  answer.confidence = PoseConfidence(problem, pose, confidence);
-  answer.camera_from_map = pose.camera_from_map;
+  TrustOptions trust;
+  trust.gravity_was_sent = true;
+  trust.iterations = consensus.iterations;
+  const Verdict verdict = JudgePose(problem, pose, ImageCamera(), trust);
+  answer.confidence = verdict.confidence;
+  answer.localized = verdict.outcome == Outcome::kLocalized;
+  answer.camera_from_map = verdict.pose.camera_from_map;
   return answer;
 }
 
@@ -55,7 +65,7 @@ TEST(Trust, RandomMatchesAreNeverBelieved) {
   for (int i = 0; i < 2000; ++i) {
     const SyntheticProblem made = MakeSyntheticProblem(OnlyWrong(random), random);
     const Answer answer = Localize(made.problem, random.Next(), 300);
-    EXPECT_LT(answer.confidence, kBar) << "query " << i;
+    EXPECT_FALSE(answer.localized) << "query " << i;
     largest = std::max(largest, answer.confidence);
   }
   RecordProperty("largest_confidence", std::to_string(largest));
@@ -69,8 +79,7 @@ TEST(Trust, RepeatedPatternsAreNeverBelieved) {
     const double line_share = i % 3 == 0 ? 0.0 : random.Uniform(0.3, 0.8);
     const PoseProblem problem =
         MakeRepeatedPattern({.matches = matches, .line_share = line_share}, random);
-    const double confidence = Localize(problem, random.Next(), 300).confidence;
-    believed += confidence >= kBar ? 1 : 0;
+    believed += Localize(problem, random.Next(), 300).localized ? 1 : 0;
   }
   EXPECT_EQ(believed, 0) << "of 1000";
 }
@@ -86,7 +95,7 @@ TEST(Trust, MovedSignsAreHardlyEverBelieved) {
     options.radius_px = random.Uniform(8, 30);
     options.others = 10 + static_cast<int>(random.Below(50));
     const PoseProblem problem = MakeMovedSigns(options, random);
-    believed += Localize(problem, random.Next(), 2000).confidence >= kBar ? 1 : 0;
+    believed += Localize(problem, random.Next(), 2000).localized ? 1 : 0;
   }
   EXPECT_LE(believed, 1) << "of 2000";
 }
@@ -104,7 +113,7 @@ Believed CountBelieved(SyntheticOptions options, int trials) {
     options.gravity_noise_rad = options.gravity_sigma_rad = 1.0 * kDegree;
     const SyntheticProblem made = MakeSyntheticProblem(options, random);
     const Answer answer = Localize(made.problem, random.Next(), 10000);
-    if (answer.confidence < kBar) continue;
+    if (!answer.localized) continue;
     ++believed.queries;
     const PoseError error = ComparePoses(answer.camera_from_map, made.camera_from_map);
     believed.wrong += error.rotation_rad > 5.0 * kDegree || error.position > 1.0 ? 1 : 0;

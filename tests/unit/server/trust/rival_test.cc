@@ -32,10 +32,11 @@ Judged Judge(const PoseProblem& problem, std::uint64_t seed) {
   confidence.iterations = consensus.iterations;
   const Camera camera =
       Camera::Create(CameraModel::kSimplePinhole, 640, 480, {500, 319.5, 239.5}).value();
-  JudgeOptions judge;
-  judge.iterations = consensus.iterations;
-  return {PoseConfidence(problem, pose, confidence) >= judge.min_confidence,
-          JudgePose(problem, pose, camera, judge).outcome == Outcome::kLocalized};
+  TrustOptions trust;
+  trust.gravity_was_sent = true;
+  trust.iterations = consensus.iterations;
+  return {PoseConfidence(problem, pose, confidence) >= trust.min_confidence,
+          JudgePose(problem, pose, camera, trust).outcome == Outcome::kLocalized};
 }
 
 struct Counts {
@@ -94,7 +95,54 @@ TEST(Rival, NeedsSomethingLeftOver) {
   options.point_outliers = 4;
   const SyntheticProblem made = MakeSyntheticProblem(options, random);
   const RefinedPose pose = RefinePose(made.problem, made.camera_from_map, {});
-  EXPECT_FALSE(HasRival(made.problem, pose, {}));
+  EXPECT_FALSE(FindRival(made.problem, pose, {}));
+  EXPECT_FALSE(LooksMirrored(made.problem, pose, {}));
+}
+
+// A gravity in a wrong frame leads the search to a pose of a few inliers; all others hold the true
+// one, which gravity would never have found.
+TEST(Rival, TheTruePoseWinsOverOneThatAWrongGravityFound) {
+  Random random = TestRandom();
+  int found = 0;
+  for (int i = 0; i < 20; ++i) {
+    SyntheticOptions options;
+    options.point_inliers = 60;
+    options.point_outliers = 20;
+    SyntheticProblem made = MakeSyntheticProblem(options, random);
+    made.problem.gravity_in_camera =
+        Eigen::AngleAxisd(1.2, made.problem.gravity_in_camera.unitOrthogonal()) *
+        made.problem.gravity_in_camera;
+    RansacOptions ransac;
+    ransac.seed = random.Next();
+    const Consensus consensus = EstimateConsensus(made.problem, ransac);
+    if (!consensus.found) continue;
+    const RefinedPose wrong = RefinePose(made.problem, consensus.camera_from_map, {});
+    if (ComparePoses(wrong.camera_from_map, made.camera_from_map).rotation_rad < 0.2) continue;
+    ++found;
+    const auto rival = FindRival(made.problem, wrong, {});
+    ASSERT_TRUE(rival.has_value());
+    EXPECT_LT(ComparePoses(rival->camera_from_map, made.camera_from_map).rotation_rad, 0.02);
+    EXPECT_GE(rival->InlierCount(), 50u);
+  }
+  EXPECT_GT(found, 5) << "else the gravity misled nobody";
+}
+
+// x of every feature turned over: a wrong pose finds some inliers, the mirror hypothesis all.
+TEST(Rival, AMirroredPictureIsSeen) {
+  Random random = TestRandom();
+  for (int i = 0; i < 20; ++i) {
+    SyntheticOptions options;
+    options.point_inliers = 60;
+    options.point_outliers = 10;
+    SyntheticProblem made = MakeSyntheticProblem(options, random);
+    for (PointCorrespondence& point : made.problem.points) point.normalized.x() *= -1.0;
+    RansacOptions ransac;
+    ransac.seed = random.Next();
+    const Consensus consensus = EstimateConsensus(made.problem, ransac);
+    if (!consensus.found) continue;
+    EXPECT_TRUE(
+        LooksMirrored(made.problem, RefinePose(made.problem, consensus.camera_from_map, {}), {}));
+  }
 }
 
 }  // namespace

@@ -1,0 +1,57 @@
+#include "mapstore/tools/lean_warning.h"
+
+#include <cstdio>
+#include <map>
+#include <numbers>
+
+#include "mapstore/statistics/lean.h"
+
+namespace maploc {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+// By map version and robot. A query whose gravity was not compared has no tilt.
+std::map<MapKey, std::map<std::string, RobotTilts>> CollectTilts(
+    const std::vector<SeenSession>& sessions) {
+  std::map<MapKey, std::map<std::string, RobotTilts>> tilts;
+  for (const SeenSession& seen : sessions) {
+    if (seen.session.revoked) continue;
+    RobotTilts& robot = tilts[seen.session.map][seen.session.robot];
+    robot.robot = seen.session.robot;
+    for (const Observation& observation : seen.observations) {
+      if (observation.evidence.gravity_disagreement_rad <= 0) continue;
+      robot.tilts_rad.push_back(observation.evidence.gravity_tilt_rad);
+    }
+  }
+  return tilts;
+}
+
+std::string Describe(const MapKey& map, const Lean& lean) {
+  const Eigen::Vector3d down = GravityOfLean(lean.tilt_rad);
+  char text[320];
+  std::snprintf(text, sizeof(text),
+                "version %lld leans by %.1f degrees (95%% interval %.1f): the gravity of all %lld "
+                "robots, in %lld queries, says so; level it: maploc-map level --map %s --gravity "
+                "%.5f,%.5f,%.5f",
+                static_cast<long long>(map.version), lean.tilt_rad.norm() * kDegrees,
+                lean.interval_rad * kDegrees, static_cast<long long>(lean.robots),
+                static_cast<long long>(lean.queries), map.name.c_str(), down.x(), down.y(),
+                down.z());
+  return "map " + map.name + " " + text;
+}
+
+}  // namespace
+
+std::vector<std::string> DescribeLeans(const std::vector<SeenSession>& sessions) {
+  std::vector<std::string> lines;
+  for (const auto& [map, by_robot] : CollectTilts(sessions)) {
+    std::vector<RobotTilts> robots;
+    for (const auto& [name, tilts] : by_robot) robots.push_back(tilts);
+    const Lean lean = FindLean(robots);
+    if (lean.leans) lines.push_back(Describe(map, lean));
+  }
+  return lines;
+}
+
+}  // namespace maploc

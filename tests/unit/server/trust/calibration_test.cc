@@ -1,0 +1,85 @@
+#include "server/trust/calibration.h"
+
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/seed.h"
+#include "tests/support/synthetic_problem.h"
+
+namespace maploc::testing {
+namespace {
+
+using MoveFn = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
+
+// What the sent calibration makes of a picture that another lens took.
+CalibrationCheck Check(int points, int lines, const MoveFn& move, Random& random) {
+  SyntheticOptions options;
+  options.point_inliers = points;
+  options.point_outliers = points / 4;
+  options.line_inliers = lines;
+  SyntheticProblem made = MakeSyntheticProblem(options, random);
+  for (PointCorrespondence& point : made.problem.points) point.normalized = move(point.normalized);
+  for (LineCorrespondence& line : made.problem.lines) {
+    line.normalized.start = move(line.normalized.start);
+    line.normalized.end = move(line.normalized.end);
+  }
+  made.problem.has_gravity = false;
+  const RefinedPose pose = RefinePose(made.problem, made.camera_from_map, {});
+  return CheckCalibration(made.problem, pose, 4.0);
+}
+
+TEST(CheckCalibration, BelievesTheTrueLens) {
+  Random random = TestRandom();
+  for (int i = 0; i < 100; ++i) {
+    const CalibrationCheck check = Check(
+        150, 20, [](const Eigen::Vector2d& seen) { return seen; }, random);
+    EXPECT_TRUE(check.consistent) << i;
+    ASSERT_TRUE(check.focal_scale.has_value());
+    EXPECT_LT(std::abs(check.focal_scale->scale - 1.0), 5.0 * check.focal_scale->sigma + 0.001);
+  }
+}
+
+TEST(CheckCalibration, TellsAFocalLengthThatIsTenPercentOff) {
+  Random random = TestRandom();
+  int refused = 0;
+  for (int i = 0; i < 50; ++i) {
+    // Sent 10% too short: everything seems further from the axis.
+    const CalibrationCheck check = Check(
+        150, 20, [](const Eigen::Vector2d& seen) -> Eigen::Vector2d { return 1.1 * seen; }, random);
+    refused += check.consistent ? 0 : 1;
+    if (check.focal_scale) EXPECT_NEAR(check.focal_scale->scale, 1.1, 0.02);
+  }
+  EXPECT_GE(refused, 45);
+}
+
+TEST(CheckCalibration, SeesDistortionThatNobodyDeclared) {
+  Random random = TestRandom();
+  int refused = 0;
+  for (int i = 0; i < 50; ++i) {
+    refused += Check(
+                   300, 0,
+                   [](const Eigen::Vector2d& seen) -> Eigen::Vector2d {
+                     return seen * (1.0 - 0.3 * seen.squaredNorm());
+                   },
+                   random)
+                       .consistent
+                   ? 0
+                   : 1;
+  }
+  EXPECT_GE(refused, 40);
+}
+
+TEST(CheckCalibration, HasNoOpinionOfAHandfulOfMatches) {
+  Random random = TestRandom();
+  const CalibrationCheck check = Check(
+      10, 0, [](const Eigen::Vector2d& seen) { return seen; }, random);
+  EXPECT_TRUE(check.consistent);
+  EXPECT_FALSE(check.focal_scale.has_value());
+  // Then the pose is as uncertain as lenses usually are.
+  EXPECT_GT(check.covariance.topLeftCorner<3, 3>().trace(), 0.0);
+}
+
+}  // namespace
+}  // namespace maploc::testing
