@@ -54,11 +54,11 @@ Result<SourceGravity> TakeGiven(const Eigen::Vector3d& given) {
                            "must be a finite direction other than 0,0,0 (down, in the "
                            "model's frame)");
   }
-  return SourceGravity{given / norm, 0.0, GravitySource::kGiven, "", ""};
+  return SourceGravity{given / norm, 0.0, GravityOrigin::kGiven, "", ""};
 }
 
 Result<SourceGravity> TakeMeasured(const DirectionFit& fit, std::size_t count) {
-  SourceGravity gravity{fit.direction, Interval95Rad(fit), GravitySource::kMeasured,
+  SourceGravity gravity{fit.direction, Interval95Rad(fit), GravityOrigin::kMeasured,
                         "what was measured with " + std::to_string(count) + " photos", ""};
   if (gravity.interval_rad <= kMaxGravityIntervalRad) return gravity;
   return InvalidArgument("gravity",
@@ -71,7 +71,7 @@ Result<SourceGravity> TakeMeasured(const DirectionFit& fit, std::size_t count) {
 
 Result<SourceGravity> TakeEstimate(const PhotoGravity& photos) {
   if (photos.doubt.empty()) {
-    return SourceGravity{photos.fit.direction, Interval95Rad(photos.fit), GravitySource::kEstimated,
+    return SourceGravity{photos.fit.direction, Interval95Rad(photos.fit), GravityOrigin::kEstimated,
                          photos.basis, ""};
   }
   std::string cure = "; give it as --gravity X,Y,Z (down, in the model's frame)";

@@ -28,12 +28,12 @@ struct GravityEvidence {
 // A map may lean by no more: a robot's gravity is good to a degree, and would contradict it.
 inline constexpr double kMaxGravityIntervalRad = 1.0 * std::numbers::pi / 180;
 
-enum class GravitySource { kGiven, kMeasured, kEstimated };
+enum class GravityOrigin { kGiven, kMeasured, kEstimated };
 
 struct SourceGravity {
   Eigen::Vector3d down_in_source = Eigen::Vector3d(0.0, 0.0, -1.0);  // unit
   double interval_rad = 0.0;  // the truth is nearer than this in 95 of 100 cases; 0: given
-  GravitySource source = GravitySource::kGiven;
+  GravityOrigin source = GravityOrigin::kGiven;
   std::string basis;    // what it rests on, in words; empty: given
   std::string warning;  // empty: nothing speaks against it
 };

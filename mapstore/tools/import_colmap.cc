@@ -47,13 +47,13 @@ Result<ColmapImportOptions> ReadFlags(const Flags& flags) {
   return options;
 }
 
-const char* SourceName(GravitySource source) {
+const char* SourceName(GravityOrigin source) {
   switch (source) {
-    case GravitySource::kGiven:
+    case GravityOrigin::kGiven:
       return "given";
-    case GravitySource::kMeasured:
+    case GravityOrigin::kMeasured:
       return "measured";
-    case GravitySource::kEstimated:
+    case GravityOrigin::kEstimated:
       break;
   }
   return "estimated";
@@ -106,7 +106,7 @@ void PrintSummary(const ColmapImportReport& report, double seconds) {
 // What was not given is always told: a map that leans is useless to a robot that knows where down
 // is.
 void TellGravity(const SourceGravity& gravity) {
-  if (gravity.source != GravitySource::kGiven) {
+  if (gravity.source != GravityOrigin::kGiven) {
     const Eigen::Vector3d& g = gravity.down_in_source;
     std::cerr << "gravity " << SourceName(gravity.source) << " from " << gravity.basis << ": "
               << g.x() << "," << g.y() << "," << g.z()

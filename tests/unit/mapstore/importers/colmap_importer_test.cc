@@ -125,7 +125,7 @@ TEST_F(ColmapImporterTest, PosesAloneAreRefusedAndMeasurementsTaken) {
   testing::AddPosePriors(options_.database_path, model_, gravity);
   const Result<ColmapImportReport> report = Import();
   ASSERT_TRUE(report.ok()) << report.status().ToString();
-  EXPECT_EQ(report->gravity.source, GravitySource::kMeasured);
+  EXPECT_EQ(report->gravity.source, GravityOrigin::kMeasured);
   EXPECT_LT(AngleBetween(report->gravity.down_in_source, down.normalized()), 1e-6);
   options_.gravity_in_source = -down;
   EXPECT_THAT(Import().status().message(), HasSubstr("pose_priors"));

@@ -145,7 +145,7 @@ TEST_F(SourceGravityTest, OrdinaryPhotosDetermineIt) {
   for (const PhotoSet* set : {&orbit, &front}) {
     const auto found = FindSourceGravity(set->PosesAndPhotos(), std::nullopt, false);
     ASSERT_TRUE(found.ok()) << found.status().message();
-    EXPECT_EQ(found->source, GravitySource::kEstimated);
+    EXPECT_EQ(found->source, GravityOrigin::kEstimated);
     EXPECT_THAT(found->basis, HasSubstr("vertical edges"));
     EXPECT_LT(AngleBetween(found->down_in_source, set->down_in_source), found->interval_rad);
     EXPECT_LE(found->interval_rad, 1.0 * kDegree);
@@ -217,7 +217,7 @@ TEST_F(SourceGravityTest, WhatSensorsMeasuredDeterminesItHoweverCamerasAreHeld) 
     const auto found =
         FindSourceGravity(Measure(set, 1.0, random), std::nullopt, /*force=*/i % 2 == 1);
     ASSERT_TRUE(found.ok()) << found.status().message();
-    EXPECT_EQ(found->source, GravitySource::kMeasured);
+    EXPECT_EQ(found->source, GravityOrigin::kMeasured);
     const double error = AngleBetween(found->down_in_source, set.down_in_source);
     EXPECT_LT(error, 1.0 * kDegree);
     within += error < found->interval_rad ? 1 : 0;
