@@ -31,6 +31,9 @@ constexpr double kSuspectedDistance2 = 13.3;
 // 6%; a focal length 2% off before a court of depth: 10% (MEASUREMENTS.md).
 constexpr double kClearGain = 0.08;
 constexpr double kMostFocalSigma = 0.1;
+// A threshold far beyond the noise would take every lens for a small gain: this many times the
+// inliers' root mean square is enough for all that agree.
+constexpr double kThresholdRms = 4.0;
 
 // A fit, and how far it is from the calibration that was sent.
 struct Found {
@@ -91,7 +94,8 @@ CalibrationCheck CheckCalibration(const PoseProblem& problem, const RefinedPose&
                                   double max_reprojection_error_px) {
   CalibrationCheck check;
   if (IsWide(problem)) return check;
-  LensFit fit(problem, pose, max_reprojection_error_px);
+  LensFit fit(problem, pose,
+              std::min(max_reprojection_error_px, kThresholdRms * pose.inlier_rms_px));
   const PoseMatrix as_sent = fit.camera_from_moved_map();
   const LensResponse response = fit.Response();
   const double support = fit.Support();
