@@ -44,8 +44,8 @@ double MedianDepth(const MapSnapshot& map, const Camera& camera, const Rigid3& c
   return depths.empty() ? 0.0 : UpperMedian(std::move(depths));
 }
 
-RecordingOptions Recording(const SetDescription& set, const std::string& folder,
-                           const std::string& session, std::uint64_t seed) {
+RecordingOptions Recording(const std::string& folder, const std::string& session,
+                           std::uint64_t seed) {
   RecordingOptions recording;
   recording.model_dir = folder + "/" + session;
   recording.database = folder + "/database.db";
@@ -85,7 +85,7 @@ Result<LoadedSet> LoadSet(const std::string& name, const std::string& data_folde
   for (const std::string& session : set.sessions) {
     MAPLOC_ASSIGN_OR_RETURN(
         const RecordedRobot robot,
-        RecordedRobot::Open(Recording(set, folder, session, seed), loaded.map->info));
+        RecordedRobot::Open(Recording(folder, session, seed), loaded.map->info));
     for (int i = 0; i < robot.QueryCount(); ++i) {
       HonestQuery honest;
       honest.name = robot.QueryName(i);

@@ -20,8 +20,10 @@ bool IsTold(const PoseProblem& problem, const Camera& camera, const Attempt& att
             Attempt& whole) {
   if (!attempt.camera_from_map) return false;
   const experiments::CpuTimer timer;
-  const Verdict verdict =
-      JudgePose(problem, attempt.refined, camera, {.iterations = whole.iterations});
+  TrustOptions trust;
+  trust.gravity_was_sent = problem.has_gravity;
+  trust.iterations = whole.iterations;
+  const Verdict verdict = JudgePose(problem, attempt.refined, camera, trust);
   whole.ms += timer.ElapsedMs();
   return verdict.outcome == Outcome::kLocalized;
 }

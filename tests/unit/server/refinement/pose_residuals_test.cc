@@ -104,7 +104,7 @@ TEST(PoseResiduals, GravityIsTheAngleInSigmas) {
 
 TEST(PoseResiduals, AreCauchysLoss) {
   PoseProblem problem;
-  problem.points.push_back({.position_in_map = {0, 0, 1}});
+  problem.points.emplace_back().position_in_map = {0, 0, 1};
   const PoseResiduals residuals(problem, All(problem), FreeChart(Eigen::Quaterniond::Identity()),
                                 {.feature_sigma = 0.01, .loss_scale = 2.5});
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(6);
@@ -117,7 +117,7 @@ TEST(PoseResiduals, AreCauchysLoss) {
 
 TEST(PoseResiduals, APointBehindTheCameraCostsMoreThanAnyInFront) {
   PoseProblem problem;
-  problem.points.push_back({.position_in_map = {0, 0, 1}});
+  problem.points.emplace_back().position_in_map = {0, 0, 1};
   const PoseResiduals residuals(problem, All(problem), FreeChart(Eigen::Quaterniond::Identity()),
                                 {.feature_sigma = 0.002});
   Eigen::VectorXd parameters = Eigen::VectorXd::Zero(6);

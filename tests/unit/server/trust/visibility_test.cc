@@ -29,9 +29,13 @@ TEST(IsVisible, FromAnywhereWhereTheMapDoesNotSay) {
 
 TEST(WithoutUnseen, KeepsTheInliersThatCanBeSeen) {
   PoseProblem problem;
-  problem.points = {{.viewing = kSeenAlongX}, {.viewing = {{-1, 0, 0}, 0.1f, 4, 6}}, {}};
-  problem.lines = {
-      {.segment_in_map = {{0, 0, -1}, {0, 0, 1}}, .viewing = {{-1, 0, 0}, 0.1f, 4, 6}}};
+  const ViewingRange from_behind = {{-1, 0, 0}, 0.1f, 4, 6};
+  problem.points.resize(3);
+  problem.points[0].viewing = kSeenAlongX;
+  problem.points[1].viewing = from_behind;
+  problem.lines.resize(1);
+  problem.lines[0].segment_in_map = {{0, 0, -1}, {0, 0, 1}};
+  problem.lines[0].viewing = from_behind;
   RefinedPose pose;
   pose.camera_from_map.translation = {-5, 0, 0};  // the centre is at x = 5
   pose.point_inliers = {1, 1, 1};
