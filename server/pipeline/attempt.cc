@@ -104,6 +104,10 @@ void Tell(const QueryContext& context, const PoseProblem& problem, const Verdict
     told.line_inliers = FindInliers(problem, told.camera_from_map, context.MaxErrorVgaPx()).lines;
   }
   FillEvidence(problem, told, consensus, answer.evidence);
+  if (verdict.is_rival) {
+    answer.evidence.strategy = Strategy::kP3P;
+    answer.evidence.fell_back = true;
+  }
   answer.point_match_inlier = told.point_inliers;
   answer.line_match_inlier = told.line_inliers;
   answer.outcome = verdict.outcome;

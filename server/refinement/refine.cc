@@ -67,6 +67,7 @@ InlierFlags Thinned(InlierFlags inliers, int count) {
 // The stated pixel noise is worth so many coordinates of residuals: ten features. A query of a
 // handful of inliers is judged by what is usual, one of a hundred by its own residuals.
 constexpr double kPriorCoordinates = 20.0;
+constexpr double kFreedom = 6.0;  // of the pose, which explains as many coordinates by itself
 
 // Enough to determine the pose: gravity is worth one feature.
 int MinFeatures(Refinement mode) { return mode == Refinement::k6Dof ? 3 : 2; }
@@ -150,10 +151,12 @@ class Refiner {
   // 2 n coordinates had n / 3 times its variance: (J^T J)^-1 then moves their images by that
   // variance in the mean, its 6 degrees of freedom being shared out over 2 n coordinates.
   double FeatureSigma(const ResidualSum& residuals, int features) const {
-    const double freedom = mode_ == Refinement::k6Dof ? 6.0 : 4.0;
+    // Where gravity is held its error is in the residuals, and in the covariance by itself already.
+    const bool held = mode_ == Refinement::k4Dof;
+    const double squares = held ? 0.0 : residuals.squares;
+    const double coordinates = held ? 0.0 : std::max(0.0, residuals.coordinates - kFreedom);
     const double noise2 =
-        (kPriorCoordinates * sigma_ * sigma_ + residuals.squares) /
-        std::max(kPriorCoordinates, kPriorCoordinates + residuals.coordinates - freedom);
+        (kPriorCoordinates * sigma_ * sigma_ + squares) / (kPriorCoordinates + coordinates);
     const double shared = problem_.shared_error_rad;
     return std::sqrt(noise2 + features / 3.0 * shared * shared);
   }

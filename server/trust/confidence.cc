@@ -26,10 +26,6 @@ struct Knot {
 };
 constexpr std::array<Knot, 6> kCalibration = {
     {{-12.0, 9.2}, {-5.5, 4.5952}, {-2.0, 2.3}, {0.0, 0.55}, {2.0, -2.3}, {3.5, -5.6}}};
-// In decades of false alarms. A grid of equal windows falls onto itself in many ways when it may be
-// turned freely, and its matches then agree by dozens; upright it does so by shifts alone, and for
-// those Chance looks. So a pose that gravity does not support needs so much more.
-constexpr double kDoubtWithoutGravity = 4.0;
 // log10 of the probability that so many wrong lines agree by chance: above it a kind is at the
 // level of chance. A kind that is there for nothing passes one time in a hundred.
 constexpr double kLogChanceOfLines = -2.0;

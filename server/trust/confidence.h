@@ -48,6 +48,11 @@ double PoseConfidence(const PoseProblem& problem, const RefinedPose& pose,
 // for its ends, 0.0037 and 0.9999.
 double ConfidenceOf(double log_false_alarms);
 
+// In decades of false alarms. A grid of equal windows falls onto itself in many ways when it may be
+// turned freely, and its matches then agree by dozens; upright it does so by shifts alone, and for
+// those Chance looks. So a pose that gravity does not support needs so much more.
+inline constexpr double kDoubtWithoutGravity = 4.0;
+
 // log10 of the number of false alarms: the test inside PoseConfidence. Negative is good.
 double LogNumberOfFalseAlarms(const PoseProblem& problem, const RefinedPose& pose,
                               const ConfidenceOptions& options);

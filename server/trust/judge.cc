@@ -82,6 +82,7 @@ class Judge {
   void Take(const RefinedPose& rival) {
     RefineOptions free = options_.refine;
     free.mode = Refinement::k6Dof;
+    verdict_.is_rival = true;
     problem_ = WithGravity(std::move(problem_), false);
     verdict_.pose = WithoutUnseen(problem_, RefinePose(problem_, rival.camera_from_map, free));
     verdict_.confidence = PoseConfidence(problem_, verdict_.pose, chance_);

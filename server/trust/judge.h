@@ -39,8 +39,9 @@ struct Verdict {
                                               // kCalibrationInconsistent
   Doubt doubt = Doubt::kChance;               // kNone with kLocalized
   double confidence = 0.0;
-  RefinedPose pose;      // that is judged: the one that was found, or a rival that explains more
-  GravityCheck gravity;  // of that pose against the gravity that was sent
+  RefinedPose pose;       // that is judged: the one that was found, or a rival that explains more
+  bool is_rival = false;  // of three points, without gravity
+  GravityCheck gravity;   // of that pose against the gravity that was sent
   std::optional<FocalScale> focal_scale;
 };
 

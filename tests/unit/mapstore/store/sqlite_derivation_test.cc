@@ -65,7 +65,11 @@ TEST_F(SqliteDerivationTest, AStoreOfVersion1IsBroughtUpToDate) {
     auto old = SqliteDatabase::Open(path_, SqliteAccess::kCreate, 1000).value();
     for (const std::string& sql : {"ATTACH '" + fresh_path + "' AS fresh",
                                    std::string(StoreMigrations()[0]), std::string(R"sql(
-INSERT INTO map_versions SELECT * FROM fresh.map_versions;
+INSERT INTO map_versions SELECT id, name, version, state, metric, scale, rotation_x, rotation_y,
+  rotation_z, rotation_w, translation_x, translation_y, translation_z, point_kind,
+  point_kind_bytes, point_kind_metric, line_kind, line_kind_bytes, line_kind_metric,
+  created_unix_ns, segment_count, point_count, line_count, usable_line_count
+  FROM fresh.map_versions;
 INSERT INTO segments SELECT * FROM fresh.segments;
 INSERT INTO segment_features SELECT map, segment, type, landmark_count, descriptor_count, checksum,
   ids, geometry, owners, descriptors FROM fresh.segment_features;

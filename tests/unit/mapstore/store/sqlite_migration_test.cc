@@ -21,9 +21,15 @@ class SqliteMigrationTest : public SqliteStoreTest {
       run(std::string(StoreMigrations()[static_cast<std::size_t>(version)]));
     }
     run("DELETE FROM meta");
-    for (const char* table :
-         {"meta", "map_versions", "segments", "sessions", "session_labels", "selector_options",
-          "segment_sessions", "pins", "segment_states", "inheritance"}) {
+    run("INSERT INTO map_versions SELECT "
+        "id, name, version, state, metric, scale, rotation_x, rotation_y, rotation_z, "
+        "rotation_w, translation_x, translation_y, translation_z, point_kind, "
+        "point_kind_bytes, point_kind_metric, line_kind, line_kind_bytes, "
+        "line_kind_metric, created_unix_ns, segment_count, point_count, line_count, "
+        "usable_line_count "
+        "FROM fresh.map_versions");
+    for (const char* table : {"meta", "segments", "sessions", "session_labels", "selector_options",
+                              "segment_sessions", "pins", "segment_states", "inheritance"}) {
       run("INSERT INTO " + std::string(table) + " SELECT * FROM fresh." + table);
     }
     run("INSERT INTO segment_features SELECT map, segment, type, landmark_count, "
