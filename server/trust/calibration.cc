@@ -24,13 +24,15 @@ const LensValues kUsual(0.008, 0.008, 0.008, 0.016);
 
 // Chi-square: one in 2000 of four degrees of freedom, in 100,000 of one. Honest queries of
 // `euroc_v101`: at most 15 of 71 (MEASUREMENTS.md).
-constexpr double kMaxDistance2 = 20.0;
+constexpr double kMaxDistance2 = 30.0;
 // From here on, one in a hundred, another lens is not known but suspected.
 constexpr double kSuspectedDistance2 = 13.3;
 // Of the support. Tourists' photos of a flat front, whose lenses are only roughly known: at most
 // 6%; a focal length 2% off before a court of depth: 10% (MEASUREMENTS.md).
 constexpr double kClearGain = 0.08;
 constexpr double kMostFocalSigma = 0.1;
+// Four values of a lens find something to gain among the wrong matches near a few dozen inliers.
+constexpr std::size_t kLeastForAnyLens = 60;
 // A threshold far beyond the noise would take every lens for a small gain: this many times the
 // inliers' root mean square is enough for all that agree.
 constexpr double kThresholdRms = 4.0;
@@ -104,7 +106,9 @@ CalibrationCheck CheckCalibration(const PoseProblem& problem, const RefinedPose&
     focal->distance2 = FocalDistance2(*focal);
     const double sigma = std::sqrt(focal->covariance(0, 0));
     if (sigma <= kMostFocalSigma) check.focal_scale = FocalScale{std::exp(focal->lens(0)), sigma};
-    if (const auto found = FitLens(fit, kAnyLens, support)) {
+    const auto found =
+        pose.InlierCount() < kLeastForAnyLens ? std::nullopt : FitLens(fit, kAnyLens, support);
+    if (found) {
       any = *found;
       any.distance2 = Distance2(any);
     }

@@ -7,6 +7,7 @@
 #include "mapstore/formats/colmap.h"
 #include "mapstore/geometry/gravity.h"
 #include "mapstore/importers/landmark_views.h"
+#include "mapstore/importers/shared_error.h"
 #include "mapstore/importers/source_alignment.h"
 
 namespace maploc::testing {
@@ -124,6 +125,7 @@ Result<std::shared_ptr<const MapSnapshot>> BuildMap(const ColmapModel& model,
   info.key = {"recorded", 1};
   info.metric = true;
   info.map_from_source = map_from_source;
+  info.shared_error_rad = SharedErrorRad(model);
   info.point_descriptor = entries.front().segment->points.descriptors.kind;
   return BuildMapSnapshot(info, std::move(entries));
 }
