@@ -22,8 +22,8 @@ const LensValues kExact(0.002, 0.002, 0.002, 0.004);
 // What calibrations are usually off by, beyond that: 0.8% of the focal length.
 const LensValues kUsual(0.008, 0.008, 0.008, 0.016);
 
-// Chi-square: one in 2000 of four degrees of freedom, in 100,000 of one. Honest queries of
-// `euroc_v101`: at most 15 of 71 (MEASUREMENTS.md).
+// Chi-square: one in 200,000 of four degrees of freedom. Honest queries of `euroc_v101`: at most 15
+// (MEASUREMENTS.md).
 constexpr double kMaxDistance2 = 30.0;
 // From here on, one in a hundred, another lens is not known but suspected.
 constexpr double kSuspectedDistance2 = 13.3;
