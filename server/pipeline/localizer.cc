@@ -55,12 +55,6 @@ Localization Begin(const QueryContext& context, const MapSnapshot::Entry& entry)
   return answer;
 }
 
-// Nothing else is tried: a pose, or a calibration that the matches contradict beyond doubt. With
-// that one fewer matches, which cannot tell, would hold a pose that is wrong.
-bool IsFinal(Outcome outcome) {
-  return outcome == Outcome::kLocalized || outcome == Outcome::kCalibrationInconsistent;
-}
-
 bool IsTried(AgainstGravity when, Outcome outcome) {
   switch (when) {
     case AgainstGravity::kNever:
@@ -68,13 +62,13 @@ bool IsTried(AgainstGravity when, Outcome outcome) {
     case AgainstGravity::kIfInconsistent:
       return outcome == Outcome::kGravityInconsistent;
     case AgainstGravity::kIfNotLocalized:
-      return !IsFinal(outcome);
+      return outcome != Outcome::kLocalized;
   }
   return false;
 }
 
 // One segment through matching and all that follows; once more without the gravity that was sent
-// where that may be what is wrong. Only a final answer is taken from that second attempt.
+// where that may be what is wrong. Only a LOCALIZED answer is taken from that second attempt.
 Result<Localization> TrySegment(const QueryContext& context, const MapSnapshot::Entry& entry,
                                 AgainstGravity against_gravity, int& iterations,
                                 StageTimes& times) {
@@ -99,7 +93,7 @@ Result<Localization> TrySegment(const QueryContext& context, const MapSnapshot::
   Result<Localization> free =
       TryMatches(context, entry, without, fall_back, start, iterations, times);
   if (!free.ok() && !IsOutOfTime(free.status())) return free.status();
-  if (!free.ok() || !IsFinal(free->outcome)) return answer;
+  if (!free.ok() || free->outcome != Outcome::kLocalized) return answer;
   free->evidence.iterations += answer.evidence.iterations;
   return free;
 }
@@ -124,7 +118,7 @@ Result<Localization> TryBeyondFirst(const QueryContext& context, const std::vect
                                     int& iterations, StageTimes& times) {
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
   MAPLOC_ASSIGN_OR_RETURN(Localization answer, TryJointly(context, ranked, iterations, times));
-  for (std::size_t i = 1; i < ranked.size() && !IsFinal(answer.outcome); ++i) {
+  for (std::size_t i = 1; i < ranked.size() && answer.outcome != Outcome::kLocalized; ++i) {
     MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
     MAPLOC_ASSIGN_OR_RETURN(answer, TrySegment(context, context.map.segments[ranked[i]],
                                                AgainstGravity::kNever, iterations, times));
@@ -145,10 +139,10 @@ Result<Localization> TrySegments(const QueryContext& context, const std::vector<
       TrySegment(context, context.map.segments[ranked.front()],
                  alone ? AgainstGravity::kIfNotLocalized : AgainstGravity::kIfInconsistent,
                  iterations, times));
-  if (IsFinal(first.outcome) || alone) return first;
+  if (first.outcome == Outcome::kLocalized || alone) return first;
   Result<Localization> other = TryBeyondFirst(context, ranked, iterations, times);
   if (!other.ok() && !IsOutOfTime(other.status())) return other.status();
-  return other.ok() && IsFinal(other->outcome) ? other : first;
+  return other.ok() && other->outcome == Outcome::kLocalized ? other : first;
 }
 
 Localization OutOfMap(const QueryContext& context) {
