@@ -77,8 +77,7 @@ std::optional<RefinedPose> SearchRival(const PoseProblem& left_over, bool with_g
   ConfidenceOptions chance = options;
   chance.iterations = kRivalIterations;
   chance.clump_share = 0.0;  // a door that is mistaken for another is what is looked for
-  const double max_alarms = kMaxLogAlarms - (with_gravity ? 0.0 : kDoubtWithoutGravity);
-  if (LogNumberOfFalseAlarms(left_over, *rival, chance) >= max_alarms) return std::nullopt;
+  if (LogNumberOfFalseAlarms(left_over, *rival, chance) >= kMaxLogAlarms) return std::nullopt;
   return rival;
 }
 

@@ -20,7 +20,7 @@ namespace maploc {
 // has it, and without; refined by these outliers, its flags those of all matches. It has at least
 // kRivalShare of the inliers of `pose`, and kLeastRival, among these outliers; it is more than
 // kMaxSpread (determination.h) away, which one pose's noise is not; and it has at most 1000 false
-// alarms by the test that the pose itself has passed (without gravity four decades fewer): among
+// alarms by the test that the pose itself has passed: among
 // many matches five agree with some pose by accident. At most kRivalIterations a search; none where
 // too little is left over, so that a pose that explains most of the matches costs nothing.
 // `options.iterations` is not looked at. Deterministic; thread-safe.
