@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mapstore/base/random.h"
+#include "server/matching/mirrored.h"
 #include "server/matching/pose_problem.h"
 #include "server/matching/segment_matching.h"
 #include "server/pipeline/attempt.h"
@@ -22,6 +23,10 @@ namespace {
 
 // When a segment's matches are tried once more as if gravity had not been measured.
 enum class AgainstGravity { kNever, kIfInconsistent, kIfNotLocalized };
+
+// Of the points' matches. Honest photos of a symmetric front, day and dusk: 0.79 at least; mirrored
+// ones 0.3 to 0.64 (server/trust/MEASUREMENTS.md).
+constexpr double kExplainsMost = 0.75;
 
 std::vector<int> Rank(const QueryContext& context, StageTimes& times) {
   const Stopwatch watch(times.retrieval_ms);
@@ -78,6 +83,15 @@ int InlierCount(const Evidence& evidence) {
   return evidence.points.inliers + evidence.usable_lines.inliers + evidence.vertical_lines.inliers;
 }
 
+// An answer whose pose is not to be told.
+Localization Withheld(Localization answer, Outcome why) {
+  answer.outcome = why;
+  answer.evidence.gravity_rejected = false;
+  answer.map_from_body.reset();
+  answer.covariance.setZero();
+  return answer;
+}
+
 // A pose that contradicts the calibration speaks of the camera, and the camera is the same in every
 // segment: where fewer inliers leave it open, the contradiction stands.
 Localization Weigh(Localization answer, Progress& progress) {
@@ -85,12 +99,23 @@ Localization Weigh(Localization answer, Progress& progress) {
   if (answer.outcome == Outcome::kCalibrationInconsistent) {
     progress.contradicting_inliers = std::max(progress.contradicting_inliers, inliers);
   } else if (answer.outcome == Outcome::kLocalized && inliers < progress.contradicting_inliers) {
-    answer.outcome = Outcome::kCalibrationInconsistent;
-    answer.evidence.gravity_rejected = false;
-    answer.map_from_body.reset();
-    answer.covariance.setZero();
+    return Withheld(std::move(answer), Outcome::kCalibrationInconsistent);
   }
   return answer;
+}
+
+// What the matches of a pose cannot tell: whether the photo itself was mirrored. Asked where much
+// is left unexplained, as a mirrored photo leaves it.
+Localization UnlessMirrored(const QueryContext& context, const Segment& segment,
+                            Localization answer, StageTimes& times) {
+  const FeatureCounts& points = answer.evidence.points;
+  if (answer.outcome != Outcome::kLocalized ||
+      points.inliers >= kExplainsMost * static_cast<double>(points.matches)) {
+    return answer;
+  }
+  const Stopwatch watch(times.matching_ms);
+  if (!MatchesBetterMirrored(context.view(), segment)) return answer;
+  return Withheld(std::move(answer), Outcome::kLowConfidence);
 }
 
 // One segment through matching and all that follows; once more without the gravity that was sent
@@ -112,6 +137,7 @@ Result<Localization> TrySegment(const QueryContext& context, const MapSnapshot::
   const bool fall_back = against_gravity != AgainstGravity::kNever;
   MAPLOC_ASSIGN_OR_RETURN(Localization answer, TryMatches(context, entry, problem, fall_back, start,
                                                           progress.iterations, times));
+  answer = UnlessMirrored(context, *entry.segment, std::move(answer), times);
   if (!problem.has_gravity || !IsTried(against_gravity, answer.outcome)) {
     return Weigh(std::move(answer), progress);
   }
@@ -125,7 +151,7 @@ Result<Localization> TrySegment(const QueryContext& context, const MapSnapshot::
     return Weigh(std::move(answer), progress);
   }
   free->evidence.iterations += answer.evidence.iterations;
-  return Weigh(*std::move(free), progress);
+  return Weigh(UnlessMirrored(context, *entry.segment, *std::move(free), times), progress);
 }
 
 // All ranked segments as one, where each alone was too little. The answer is told as one about the
