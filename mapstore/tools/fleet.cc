@@ -18,16 +18,27 @@ std::string Describe(const RobotDifference& difference) {
          FixedText(unit * difference.others, decimals) + ")" + (gravity ? " degrees" : "");
 }
 
-}  // namespace
-
-Result<std::vector<SeenSession>> ReadSessions(const MapStore& store) {
-  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, store.ListSessions());
+Result<std::vector<SeenSession>> WithObservations(const MapStore& store,
+                                                  const std::vector<Session>& sessions) {
   std::vector<SeenSession> seen;
   for (const Session& session : sessions) {
     MAPLOC_ASSIGN_OR_RETURN(auto observations, store.ListObservations(session.id));
     seen.push_back({session, std::move(observations)});
   }
   return seen;
+}
+
+}  // namespace
+
+Result<std::vector<SeenSession>> ReadSessions(const MapStore& store) {
+  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, store.ListSessions());
+  return WithObservations(store, sessions);
+}
+
+Result<std::vector<SeenSession>> ReadSessions(const MapStore& store, const MapKey& key) {
+  MAPLOC_ASSIGN_OR_RETURN(auto sessions, store.ListSessions());
+  std::erase_if(sessions, [&](const Session& session) { return session.map != key; });
+  return WithObservations(store, sessions);
 }
 
 FleetComparison CompareFleet(const std::vector<SeenSession>& sessions, const MapKey& key) {

@@ -19,6 +19,8 @@ struct SeenSession {
 
 // All sessions, oldest first.
 Result<std::vector<SeenSession>> ReadSessions(const MapStore& store);
+// Those of one map version.
+Result<std::vector<SeenSession>> ReadSessions(const MapStore& store, const MapKey& key);
 
 // Compares the robots of the unrevoked sessions of one map version (open ones as far as they went).
 FleetComparison CompareFleet(const std::vector<SeenSession>& sessions, const MapKey& key);

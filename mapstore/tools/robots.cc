@@ -51,7 +51,7 @@ void PrintTable(const FleetComparison& fleet) {
 Status Robots(const CommandContext& context, const RobotsFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*store, flags.map, flags.version));
-  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, ReadSessions(*store));
+  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, ReadSessions(*store, map.info.key));
   const FleetComparison fleet = CompareFleet(sessions, map.info.key);
   if (!context.json) return PrintTable(fleet), Status::Ok();
   auto document = nlohmann::ordered_json::array();

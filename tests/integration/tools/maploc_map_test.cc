@@ -26,6 +26,15 @@ class MaplocMap : public ::testing::Test {
     ASSERT_TRUE(store.EndSession("s", SessionEnd::kByRobot, 5000, seen).ok());
     ASSERT_TRUE(store.StartSession(OpenSession("open", key_, 2000)).ok());
   }
+  // A session of `robot` that ended.
+  void Drive(const std::string& id, const std::string& robot, const std::vector<Observation>& seen,
+             std::int64_t start_unix_ns = 5000) {
+    const auto store = OpenSqliteStore(store_).value();
+    Session session = OpenSession(id, key_, start_unix_ns);
+    session.robot = robot;
+    ASSERT_TRUE(store->StartSession(session).ok());
+    ASSERT_TRUE(store->EndSession(id, SessionEnd::kByRobot, start_unix_ns + 1000, seen).ok());
+  }
   // $STORE stands for the store's path.
   Output Map(std::string arguments) {
     if (const auto at = arguments.find("$STORE"); at != std::string::npos) {
@@ -218,21 +227,16 @@ TEST_F(MaplocMap, ARevokedSessionNoLongerCountsUntilItIsTakenBack) {
 
 // Three robots drive the yard; the gravity of one is five degrees off.
 TEST_F(MaplocMap, ARobotThatStandsOutIsNamedByRobotsAndBySessions) {
-  {
-    const auto store = OpenSqliteStore(store_).value();
-    ASSERT_TRUE(store->RevokeSession("s").ok());  // the fixture's saw other things
-    for (const std::string robot : {"good", "fine", "tilted"}) {
-      for (int drive = 0; drive < 3; ++drive) {
-        Session session = OpenSession(robot + std::to_string(drive), key_, 5000 + drive);
-        session.robot = robot;
-        ASSERT_TRUE(store->StartSession(session).ok());
-        std::vector<Observation> seen;
-        for (int i = 1; i <= 12; ++i) {
-          seen.push_back(Seen(i, i % 3));
-          seen.back().evidence.gravity_disagreement_rad = robot == "tilted" ? 0.087 : 0.01;
-        }
-        ASSERT_TRUE(store->EndSession(session.id, SessionEnd::kByRobot, 6000, seen).ok());
-      }
+  // The fixture's session saw other things.
+  ASSERT_TRUE(OpenSqliteStore(store_).value()->RevokeSession("s").ok());
+  for (const std::string robot : {"good", "fine", "tilted"}) {
+    std::vector<Observation> seen;
+    for (int i = 1; i <= 12; ++i) {
+      seen.push_back(Seen(i, i % 3));
+      seen.back().evidence.gravity_disagreement_rad = robot == "tilted" ? 0.087 : 0.01;
+    }
+    for (int drive = 0; drive < 3; ++drive) {
+      Drive(robot + std::to_string(drive), robot, seen, 5000 + drive);
     }
   }
   const json robots = Json("robots --store $STORE --map yard");
@@ -250,6 +254,28 @@ TEST_F(MaplocMap, ARobotThatStandsOutIsNamedByRobotsAndBySessions) {
   }
   EXPECT_THAT(Map("sessions --store $STORE").out, HasSubstr(flag));
   ExpectFails("robots --store $STORE --map yard --version 2", "map 'yard' version 2");
+}
+
+// Two robots' gravity disagrees with the map's by the same 3.4 degrees.
+TEST_F(MaplocMap, AMapThatLeansIsToldByStatsAndBySessions) {
+  // The fixture's session saw other things.
+  ASSERT_TRUE(OpenSqliteStore(store_).value()->RevokeSession("s").ok());
+  std::vector<Observation> seen;
+  for (int i = 1; i <= 12; ++i) {
+    seen.push_back(Seen(i, 1));
+    seen.back().evidence.gravity_disagreement_rad = 0.06;
+    seen.back().evidence.gravity_tilt_rad = {0.06, 0.0};
+  }
+  for (const std::string robot : {"one", "other"}) Drive(robot, robot, seen);
+  for (const std::string command : {"stats --store $STORE --map yard", "sessions --store $STORE"}) {
+    const Output run = Map(command + " --json");
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_FALSE(json::parse(run.out, nullptr, false).is_discarded()) << run.out;
+    EXPECT_THAT(run.error, HasSubstr("map yard version 1 leans by 3.4 degrees"));
+    EXPECT_THAT(run.error, HasSubstr("maploc-map level --map yard --gravity "));
+  }
+  GiveMap(*OpenSqliteStore(store_).value());
+  EXPECT_EQ(Map("stats --store $STORE --map yard").error, "");  // nobody drove the new version yet
 }
 
 // Twelve days and nights; from the sixth day on the points of segment 2 are gone by day.
