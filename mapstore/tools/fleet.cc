@@ -60,6 +60,15 @@ std::string DescribeFlags(const std::vector<RobotDifference>& differences) {
   return text;
 }
 
+std::string DescribeCalibration(const RobotComparison& robot) {
+  if (!robot.CalibrationIsOff()) return "";
+  return "the matches of " + std::to_string(robot.calibration_inconsistent) + " of its " +
+         std::to_string(robot.queries) +
+         " queries contradict the camera calibration that it sends: focal length or distortion are "
+         "another camera's, or of pictures before they were resized or cropped, or focus or zoom "
+         "moved since; calibrate its camera anew, with the pictures that it sends";
+}
+
 nlohmann::ordered_json ToJson(const std::vector<RobotDifference>& differences) {
   auto json = nlohmann::ordered_json::array();
   for (const RobotDifference& difference : differences) {

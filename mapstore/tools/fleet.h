@@ -27,6 +27,9 @@ FleetComparison CompareFleet(const std::vector<SeenSession>& sessions, const Map
 
 // "gravity 5.1 (others 0.8) degrees" for each difference that stands out; empty: none.
 std::string DescribeFlags(const std::vector<RobotDifference>& differences);
+// In words what a robot's calibration is, by what its queries say, with cause and cure; empty where
+// most of them say nothing against it.
+std::string DescribeCalibration(const RobotComparison& robot);
 // [{"metric", "own", "others", "deviation", "stands_out"}]
 nlohmann::ordered_json ToJson(const std::vector<RobotDifference>& differences);
 

@@ -256,6 +256,31 @@ TEST_F(MaplocMap, ARobotThatStandsOutIsNamedByRobotsAndBySessions) {
   ExpectFails("robots --store $STORE --map yard --version 2", "map 'yard' version 2");
 }
 
+// One robot's camera is not the one that it says, which its matches tell without any other robot.
+TEST_F(MaplocMap, ARobotWhoseCalibrationIsOffIsToldWhyAndWhatToDo) {
+  std::vector<Observation> seen;
+  for (int i = 1; i <= 12; ++i) {
+    seen.push_back(Seen(i, 1));
+    if (i <= 9) seen.back().outcome = Outcome::kCalibrationInconsistent;
+  }
+  Drive("zoomed0", "zoomed", seen);
+  const std::string command = "robots --store $STORE --map yard";
+  const json robots = Json(command);
+  ASSERT_EQ(robots.size(), 2u);  // and r2 of the fixture
+  EXPECT_EQ(robots[0].at("calibration_inconsistent"), 0);
+  EXPECT_EQ(robots[0].at("calibration_inconsistent_share"), 0.0);
+  EXPECT_EQ(robots[0].at("calibration_remark"), nullptr);
+  EXPECT_EQ(robots[1].at("calibration_inconsistent"), 9);
+  EXPECT_EQ(robots[1].at("calibration_inconsistent_share"), 0.75);
+  const std::string remark = robots[1].at("calibration_remark");
+  EXPECT_THAT(remark, HasSubstr("9 of its 12 queries contradict the camera calibration"));
+  EXPECT_THAT(remark, HasSubstr("calibrate its camera anew"));
+  const std::string text = Map(command).out;
+  EXPECT_THAT(text, HasSubstr("9 (0.750)"));
+  EXPECT_THAT(text, HasSubstr("zoomed: " + remark + ".\n"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("r2: ")));
+}
+
 // Two robots' gravity disagrees with the map's by the same 3.4 degrees.
 TEST_F(MaplocMap, AMapThatLeansIsToldByStatsAndBySessions) {
   // The fixture's session saw other things.
