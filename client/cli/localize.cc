@@ -11,6 +11,7 @@
 #include "client/cli/output.h"
 #include "client/cli/recording_flags.h"
 #include "client/robot/camera_file.h"
+#include "mapstore/base/table.h"
 #include "mapstore/features/features.h"
 
 namespace maploc {

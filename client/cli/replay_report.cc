@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "client/cli/output.h"
+#include "mapstore/base/table.h"
 
 namespace maploc {
 namespace {

@@ -2,6 +2,7 @@
 #include <map>
 #include <optional>
 
+#include "mapstore/base/table.h"
 #include "mapstore/statistics/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/decline.h"
