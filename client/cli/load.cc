@@ -7,6 +7,7 @@
 #include "client/cli/output.h"
 #include "client/cli/recording_flags.h"
 #include "client/robot/metrics.h"
+#include "mapstore/base/table.h"
 
 namespace maploc {
 namespace {

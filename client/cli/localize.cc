@@ -11,6 +11,7 @@
 #include "client/cli/output.h"
 #include "client/cli/recording_flags.h"
 #include "client/robot/camera_file.h"
+#include "mapstore/base/table.h"
 #include "mapstore/features/features.h"
 
 namespace maploc {
@@ -81,6 +82,7 @@ Json PoseJson(const Localization& answer) {
 
 Json AnswerJson(const Localization& answer) {
   const Evidence& evidence = answer.evidence;
+  const std::optional<FocalScale>& focal = evidence.focal_scale;
   return {{"outcome", OutcomeName(answer.outcome)},
           {"map_from_body", PoseJson(answer)},
           {"segment", answer.segment},
@@ -92,6 +94,9 @@ Json AnswerJson(const Localization& answer) {
           {"confidence", evidence.confidence},
           {"gravity_disagreement_rad", evidence.gravity_disagreement_rad},
           {"gravity_rejected", evidence.gravity_rejected},
+          {"inlier_rms_px", evidence.inlier_rms_px},
+          {"focal_length_scale", focal ? Json(focal->scale) : Json()},
+          {"focal_length_scale_sigma", focal ? Json(focal->sigma) : Json()},
           {"server_ms", answer.times.total_ms}};
 }
 
@@ -103,6 +108,15 @@ std::string GravityText(const Localization& answer) {
   return FormatNumber(evidence.gravity_disagreement_rad * (180.0 / std::numbers::pi), 2) +
          " deg from the matches'" + (contradicts ? ": contradicts them" : "") +
          (evidence.gravity_rejected ? ", and was not used" : "");
+}
+
+std::string FocalLengthText(const Localization& answer) {
+  const bool contradicts = answer.outcome == Outcome::kCalibrationInconsistent;
+  const std::string verdict = contradicts ? ": the calibration contradicts the matches" : "";
+  const std::optional<FocalScale>& focal = answer.evidence.focal_scale;
+  if (!focal) return "not determined by the matches" + verdict;
+  return FormatNumber(focal->scale, 4) + " of the sent one, by the matches (sigma " +
+         FormatNumber(focal->sigma, 4) + ")" + verdict;
 }
 
 void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& out) {
@@ -127,7 +141,12 @@ void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& o
   row("vertical lines", evidence.vertical_lines);
   table.Print(out);
   out << "confidence   " << FormatNumber(evidence.confidence, 4) << "\n"
-      << "gravity      " << GravityText(answer) << "\n";
+      << "inlier rms   "
+      << FormatNumber(
+             evidence.inlier_rms_px > 0.0 ? std::optional(evidence.inlier_rms_px) : std::nullopt, 2)
+      << " px\n"
+      << "gravity      " << GravityText(answer) << "\n"
+      << "focal length " << FocalLengthText(answer) << "\n";
 }
 
 Status Run(const CommandContext& context, const LocalizeFlags& flags) {
@@ -153,8 +172,11 @@ Status Run(const CommandContext& context, const LocalizeFlags& flags) {
 
 void AddLocalizeCommand(CLI::App& app, CommandContext& context) {
   auto flags = std::make_shared<LocalizeFlags>();
-  CLI::App* command = AddCommand(app, context, "localize", "Localize one photo in a map", kExample,
-                                 [&context, flags] { return Run(context, *flags); });
+  CLI::App* command = AddCommand(
+      app, context, "localize",
+      "Localize one photo in a map; tells its pose, its evidence, and whether the matches "
+      "agree with the gravity and the focal length that were sent",
+      kExample, [&context, flags] { return Run(context, *flags); });
   AddServerFlag(*command, context)->required();
   command->add_option("--map", flags->map, "the map's name")->required();
   command->add_option("--image", flags->image, "the photo")->required();

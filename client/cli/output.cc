@@ -12,18 +12,6 @@ namespace {
 
 constexpr int kBarWidth = 24;
 
-// Characters shown: colour codes (ESC ... m) and the tails of UTF-8 sequences take no width.
-std::size_t Width(const std::string& text) {
-  std::size_t width = 0;
-  bool in_code = false;
-  for (const char c : text) {
-    if (c == '\033') in_code = true;
-    if (!in_code && (static_cast<unsigned char>(c) & 0xC0) != 0x80) ++width;
-    if (in_code && c == 'm') in_code = false;
-  }
-  return width;
-}
-
 const char* Code(Ink ink) {
   switch (ink) {
     case Ink::kGreen:
@@ -55,29 +43,6 @@ std::string FormatNumber(const std::optional<double>& value, int digits) {
   char text[64];
   std::snprintf(text, sizeof(text), "%.*f", digits, *value);
   return text;
-}
-
-Table::Table(std::vector<std::string> header) { rows_.push_back(std::move(header)); }
-
-void Table::AddRow(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
-
-void Table::Print(std::ostream& out) const {
-  std::vector<std::size_t> widths(rows_.front().size(), 0);
-  for (const auto& row : rows_) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], Width(row[i]));
-  }
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    for (std::size_t i = 0; i < rows_[r].size(); ++i) {
-      out << (i == 0 ? "" : "  ") << rows_[r][i];
-      if (i + 1 < rows_[r].size()) out << std::string(widths[i] - Width(rows_[r][i]), ' ');
-    }
-    out << "\n";
-    if (r > 0) continue;
-    for (std::size_t i = 0; i < widths.size(); ++i) {
-      out << (i == 0 ? "" : "  ") << std::string(widths[i], '-');
-    }
-    out << "\n";
-  }
 }
 
 std::string Colour(Ink ink, const std::string& text) {

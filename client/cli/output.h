@@ -1,11 +1,9 @@
-// How a command reports: a table for people, one JSON document for programs; progress goes to
-// standard error, and only when that is a terminal.
+// How a command reports: a table (base/table.h) for people, one JSON document for programs;
+// progress goes to standard error, and only when that is a terminal.
 #pragma once
 
-#include <iosfwd>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -18,18 +16,6 @@ nlohmann::ordered_json JsonOrNull(const std::optional<double>& value);
 
 // Fixed-point with `digits` decimals, or "-" where there is none.
 std::string FormatNumber(const std::optional<double>& value, int digits);
-
-// Columns padded to their widest cell, the header underlined. Every row has as many cells as the
-// header. Cells may hold colour codes (Colour), which take no width.
-class Table {
- public:
-  explicit Table(std::vector<std::string> header);
-  void AddRow(std::vector<std::string> cells);
-  void Print(std::ostream& out) const;
-
- private:
-  std::vector<std::vector<std::string>> rows_;  // the header first
-};
 
 enum class Ink { kGreen, kYellow, kRed, kBlue, kGrey, kBold };
 // `text` in colour, where standard output is a terminal and NO_COLOR is not set; else as it is.

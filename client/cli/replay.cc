@@ -56,10 +56,11 @@ Status Run(const CommandContext& context, const ReplayFlags& flags) {
 
 void AddReplayCommand(CLI::App& app, CommandContext& context) {
   auto flags = std::make_shared<ReplayFlags>();
-  CLI::App* command =
-      AddCommand(app, context, "replay",
-                 "A recorded session: one query a posed image, compared with its reference pose",
-                 kExample, [&context, flags] { return Run(context, *flags); });
+  CLI::App* command = AddCommand(
+      app, context, "replay",
+      "A recorded session: one query a posed image, compared with its reference pose; --json "
+      "tells each error beside its sigma",
+      kExample, [&context, flags] { return Run(context, *flags); });
   AddServerFlag(*command, context)->required();
   command->add_option("--map", flags->map, "the map's name")->required();
   AddRecordingFlags(*command, flags->recording);

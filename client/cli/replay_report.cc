@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "client/cli/output.h"
+#include "mapstore/base/table.h"
 
 namespace maploc {
 namespace {
@@ -36,6 +37,10 @@ Json EntryJson(const ReplayEntry& entry) {
   json["line_matches"] = lines.matches;
   json["line_inliers"] = lines.inliers;
   json["confidence"] = answer.evidence.confidence;
+  const std::optional<PoseError> sigma =
+      answer.map_from_body ? std::optional(ExpectedError(answer.covariance)) : std::nullopt;
+  json["position_sigma_m"] = sigma ? Json(sigma->translation_m) : Json();
+  json["rotation_sigma_deg"] = sigma ? Json(sigma->rotation_deg) : Json();
   json["server_ms"] = answer.times.total_ms;
   json["latency_ms"] = entry.latency_ms;
   json["strategy_source"] = StrategySourceName(answer.strategy_source);

@@ -12,6 +12,7 @@
 #include "client/cli/season_board.h"
 #include "client/robot/simulated_map.h"
 #include "client/robot/simulated_robot.h"
+#include "mapstore/base/table.h"
 
 namespace maploc {
 namespace {

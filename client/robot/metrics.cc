@@ -24,6 +24,12 @@ PoseError ErrorBetween(const Rigid3& estimated_map_from_body,
               180.0 / std::numbers::pi};
 }
 
+PoseError ExpectedError(const PoseCovariance& covariance) {
+  const double position = covariance.topLeftCorner<3, 3>().trace();
+  const double rotation = covariance.bottomRightCorner<3, 3>().trace();
+  return {std::sqrt(position), std::sqrt(rotation) * 180.0 / std::numbers::pi};
+}
+
 double RotationThresholdDeg(double translation_m) {
   const auto& pairs = kRecallThresholds;
   if (translation_m <= pairs.front().translation_m) return pairs.front().rotation_deg;

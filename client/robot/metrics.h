@@ -22,6 +22,10 @@ struct PoseError {
 PoseError ErrorBetween(const Rigid3& estimated_map_from_body,
                        const Rigid3& reference_map_from_body);
 
+// The error that an answer expects of itself: the roots of the traces of its covariance's position
+// and rotation. REQUIRES: the covariance is that of a pose.
+PoseError ExpectedError(const PoseCovariance& covariance);
+
 struct RecallThreshold {
   double translation_m;
   double rotation_deg;

@@ -255,6 +255,7 @@ FleetComparison CountSessions(std::span<const RobotSession> sessions) {
     robot.queries += static_cast<std::int64_t>(session.observations.size());
     for (const Observation& o : session.observations) {
       robot.localized += o.outcome == Outcome::kLocalized ? 1 : 0;
+      robot.calibration_inconsistent += o.outcome == Outcome::kCalibrationInconsistent ? 1 : 0;
     }
     fleet.sessions.push_back({session.session, {}});
   }
@@ -301,6 +302,10 @@ std::string_view RobotMetricName(RobotMetric metric) {
 
 bool RobotComparison::StandsOut() const { return AnyStandsOut(differences); }
 bool SessionComparison::StandsOut() const { return AnyStandsOut(differences); }
+
+bool RobotComparison::CalibrationIsOff() const {
+  return calibration_inconsistent >= 3 && 2 * calibration_inconsistent > queries;
+}
 
 FleetComparison CompareRobots(std::span<const RobotSession> sessions,
                               const RobotComparisonOptions& options) {

@@ -60,8 +60,13 @@ struct RobotComparison {
   std::int64_t sessions = 0;
   std::int64_t queries = 0;
   std::int64_t localized = 0;
+  // Queries whose matches contradict the calibration that was sent.
+  std::int64_t calibration_inconsistent = 0;
   std::vector<RobotDifference> differences;  // ascending by metric; those that can be compared
   bool StandsOut() const;
+  // Most of its queries are calibration_inconsistent, three at least (one pose may be wrong). Each
+  // was judged by itself, so that this needs no other robot.
+  bool CalibrationIsOff() const;
 };
 
 struct SessionComparison {

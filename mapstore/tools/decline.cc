@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <iostream>
 
+#include "mapstore/base/table.h"
 #include "mapstore/statistics/text.h"
-#include "mapstore/tools/output.h"
 
 namespace maploc {
 

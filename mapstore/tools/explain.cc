@@ -1,6 +1,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "mapstore/base/table.h"
 #include "mapstore/statistics/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/decline.h"

@@ -18,16 +18,27 @@ std::string Describe(const RobotDifference& difference) {
          FixedText(unit * difference.others, decimals) + ")" + (gravity ? " degrees" : "");
 }
 
-}  // namespace
-
-Result<std::vector<SeenSession>> ReadSessions(const MapStore& store) {
-  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, store.ListSessions());
+Result<std::vector<SeenSession>> WithObservations(const MapStore& store,
+                                                  const std::vector<Session>& sessions) {
   std::vector<SeenSession> seen;
   for (const Session& session : sessions) {
     MAPLOC_ASSIGN_OR_RETURN(auto observations, store.ListObservations(session.id));
     seen.push_back({session, std::move(observations)});
   }
   return seen;
+}
+
+}  // namespace
+
+Result<std::vector<SeenSession>> ReadSessions(const MapStore& store) {
+  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, store.ListSessions());
+  return WithObservations(store, sessions);
+}
+
+Result<std::vector<SeenSession>> ReadSessions(const MapStore& store, const MapKey& key) {
+  MAPLOC_ASSIGN_OR_RETURN(auto sessions, store.ListSessions());
+  std::erase_if(sessions, [&](const Session& session) { return session.map != key; });
+  return WithObservations(store, sessions);
 }
 
 FleetComparison CompareFleet(const std::vector<SeenSession>& sessions, const MapKey& key) {
@@ -47,6 +58,15 @@ std::string DescribeFlags(const std::vector<RobotDifference>& differences) {
     text += (text.empty() ? "" : ", ") + Describe(difference);
   }
   return text;
+}
+
+std::string DescribeCalibration(const RobotComparison& robot) {
+  if (!robot.CalibrationIsOff()) return "";
+  return "the matches of " + std::to_string(robot.calibration_inconsistent) + " of its " +
+         std::to_string(robot.queries) +
+         " queries contradict the camera calibration that it sends: focal length or distortion are "
+         "another camera's, or of pictures before they were resized or cropped, or focus or zoom "
+         "moved since; calibrate its camera anew, with the pictures that it sends";
 }
 
 nlohmann::ordered_json ToJson(const std::vector<RobotDifference>& differences) {

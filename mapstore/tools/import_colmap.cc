@@ -7,6 +7,7 @@
 
 #include <unistd.h>
 
+#include "mapstore/base/table.h"
 #include "mapstore/importers/colmap_importer.h"
 #include "mapstore/tools/output.h"
 

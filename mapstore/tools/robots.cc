@@ -1,6 +1,7 @@
 #include <iostream>
 #include <optional>
 
+#include "mapstore/base/table.h"
 #include "mapstore/statistics/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/fleet.h"
@@ -14,13 +15,24 @@ struct RobotsFlags {
   std::optional<std::int64_t> version;  // else the newest
 };
 
+// Of its queries; nullopt: it has none.
+std::optional<double> CalibrationShare(const RobotComparison& robot) {
+  if (robot.queries == 0) return std::nullopt;
+  return static_cast<double>(robot.calibration_inconsistent) / static_cast<double>(robot.queries);
+}
+
 nlohmann::ordered_json ToJson(const RobotComparison& robot) {
+  const std::string calibration = DescribeCalibration(robot);
   return {{"robot", robot.robot},
           {"sessions", robot.sessions},
           {"queries", robot.queries},
           {"localized", robot.localized},
           {"stands_out", robot.StandsOut()},
-          {"differences", ToJson(robot.differences)}};
+          {"differences", ToJson(robot.differences)},
+          {"calibration_inconsistent", robot.calibration_inconsistent},
+          {"calibration_inconsistent_share", JsonRatio(CalibrationShare(robot))},
+          {"calibration_remark", calibration.empty() ? nlohmann::ordered_json(nullptr)
+                                                     : nlohmann::ordered_json(calibration)}};
 }
 
 // "own / others", or "-" where there is nothing to compare.
@@ -32,26 +44,37 @@ std::string Pair(const RobotComparison& robot, RobotMetric metric, double unit) 
   return "-";
 }
 
+std::string CalibrationCell(const RobotComparison& robot) {
+  return std::to_string(robot.calibration_inconsistent) + " (" +
+         FormatRatio(CalibrationShare(robot)) + ")";
+}
+
 void PrintTable(const FleetComparison& fleet) {
   constexpr double kDegrees = 57.29577951308232;
   Table table({"robot", "sessions", "queries", "localized", "gravity, degrees", "points", "lines",
-               "success", "stands out"});
+               "success", "calibration off", "stands out"});
   for (const RobotComparison& robot : fleet.robots) {
     table.AddRow({robot.robot, std::to_string(robot.sessions), std::to_string(robot.queries),
                   std::to_string(robot.localized), Pair(robot, RobotMetric::kGravity, kDegrees),
                   Pair(robot, RobotMetric::kPoints, 1.0), Pair(robot, RobotMetric::kLines, 1.0),
-                  Pair(robot, RobotMetric::kSuccess, 1.0), DescribeFlags(robot.differences)});
+                  Pair(robot, RobotMetric::kSuccess, 1.0), CalibrationCell(robot),
+                  DescribeFlags(robot.differences)});
   }
   table.Print(std::cout);
-  std::cout << "Each number beside that of the other robots in the same segments at about the same "
+  std::cout << "Each pair: the robot's, and that of the other robots in the same segments at about "
+               "the same "
                "time.\n";
+  for (const RobotComparison& robot : fleet.robots) {
+    const std::string calibration = DescribeCalibration(robot);
+    if (!calibration.empty()) std::cout << robot.robot << ": " << calibration << ".\n";
+  }
   if (fleet.robots.size() < 2) std::cout << "It takes two robots to compare.\n";
 }
 
 Status Robots(const CommandContext& context, const RobotsFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*store, flags.map, flags.version));
-  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, ReadSessions(*store));
+  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, ReadSessions(*store, map.info.key));
   const FleetComparison fleet = CompareFleet(sessions, map.info.key);
   if (!context.json) return PrintTable(fleet), Status::Ok();
   auto document = nlohmann::ordered_json::array();
@@ -64,10 +87,11 @@ Status Robots(const CommandContext& context, const RobotsFlags& flags) {
 
 void AddRobotsCommand(CLI::App& app, CommandContext& context) {
   auto flags = std::make_shared<RobotsFlags>();
-  CLI::App* command =
-      AddCommand(app, context, "robots", "Compares each robot with the others in the same segments",
-                 "maploc-map robots --store campus.db --map campus",
-                 [&context, flags] { return Robots(context, *flags); });
+  CLI::App* command = AddCommand(
+      app, context, "robots",
+      "Compares each robot with the others in the same segments; says whose calibration is off",
+      "maploc-map robots --store campus.db --map campus",
+      [&context, flags] { return Robots(context, *flags); });
   AddMapOption(*command, flags->map);
   AddVersionOption(*command, flags->version);
 }

@@ -1,5 +1,6 @@
 #include <iostream>
 
+#include "mapstore/base/table.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/output.h"
 

@@ -1,6 +1,7 @@
 #include <iostream>
 #include <map>
 
+#include "mapstore/base/table.h"
 #include "mapstore/statistics/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/fleet.h"

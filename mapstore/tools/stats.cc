@@ -2,9 +2,12 @@
 #include <map>
 #include <optional>
 
+#include "mapstore/base/table.h"
 #include "mapstore/statistics/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/decline.h"
+#include "mapstore/tools/fleet.h"
+#include "mapstore/tools/lean_warning.h"
 #include "mapstore/tools/output.h"
 #include "mapstore/tools/session_groups.h"
 
@@ -114,6 +117,8 @@ Status Stats(const CommandContext& context, const StatsFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*store, flags.map, flags.version));
   MAPLOC_ASSIGN_OR_RETURN(const auto groups, ReadGroups(*store, map.info.key, flags.groups));
+  MAPLOC_ASSIGN_OR_RETURN(const auto sessions, ReadSessions(*store, map.info.key));
+  for (const std::string& lean : DescribeLeans(sessions)) std::cerr << lean << "\n";
   context.json ? PrintJsonOf(groups, flags.groups) : PrintText(groups, flags.groups);
   return Status::Ok();
 }
@@ -123,7 +128,9 @@ Status Stats(const CommandContext& context, const StatsFlags& flags) {
 void AddStatsCommand(CLI::App& app, CommandContext& context) {
   auto flags = std::make_shared<StatsFlags>();
   CLI::App* command = AddCommand(
-      app, context, "stats", "Shows the sums that a map's strategies are chosen from",
+      app, context, "stats",
+      "Shows the sums that a map's strategies are chosen from; says whether the robots' gravity "
+      "finds it leaning",
       "maploc-map stats --store campus.db --map campus --recompute\n"
       "  maploc-map stats --store campus.db --map campus --label season=autumn --by light",
       [&context, flags] { return Stats(context, *flags); });

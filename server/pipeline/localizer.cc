@@ -1,10 +1,12 @@
 #include "server/pipeline/localizer.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "mapstore/base/random.h"
+#include "server/matching/mirrored.h"
 #include "server/matching/pose_problem.h"
 #include "server/matching/segment_matching.h"
 #include "server/pipeline/attempt.h"
@@ -21,6 +23,10 @@ namespace {
 
 // When a segment's matches are tried once more as if gravity had not been measured.
 enum class AgainstGravity { kNever, kIfInconsistent, kIfNotLocalized };
+
+// Of the points' matches. Honest photos of a symmetric front, day and dusk: 0.79 at least; mirrored
+// ones 0.3 to 0.64 (server/trust/MEASUREMENTS.md).
+constexpr double kExplainsMost = 0.75;
 
 std::vector<int> Rank(const QueryContext& context, StageTimes& times) {
   const Stopwatch watch(times.retrieval_ms);
@@ -67,10 +73,55 @@ bool IsTried(AgainstGravity when, Outcome outcome) {
   return false;
 }
 
+// What the segments of a query that were tried so far leave to the next.
+struct Progress {
+  int iterations = 0;
+  int contradicting_inliers = 0;  // most inliers of a pose that contradicts the calibration
+};
+
+int InlierCount(const Evidence& evidence) {
+  return evidence.points.inliers + evidence.usable_lines.inliers + evidence.vertical_lines.inliers;
+}
+
+// An answer whose pose is not to be told.
+Localization Withheld(Localization answer, Outcome why) {
+  answer.outcome = why;
+  answer.evidence.gravity_rejected = false;
+  answer.map_from_body.reset();
+  answer.covariance.setZero();
+  return answer;
+}
+
+// A pose that contradicts the calibration speaks of the camera, and the camera is the same in every
+// segment: where fewer inliers leave it open, the contradiction stands.
+Localization Weigh(Localization answer, Progress& progress) {
+  const int inliers = InlierCount(answer.evidence);
+  if (answer.outcome == Outcome::kCalibrationInconsistent) {
+    progress.contradicting_inliers = std::max(progress.contradicting_inliers, inliers);
+  } else if (answer.outcome == Outcome::kLocalized && inliers < progress.contradicting_inliers) {
+    return Withheld(std::move(answer), Outcome::kCalibrationInconsistent);
+  }
+  return answer;
+}
+
+// What the matches of a pose cannot tell: whether the photo itself was mirrored. Asked where much
+// is left unexplained, as a mirrored photo leaves it.
+Localization UnlessMirrored(const QueryContext& context, const Segment& segment,
+                            Localization answer, StageTimes& times) {
+  const FeatureCounts& points = answer.evidence.points;
+  if (answer.outcome != Outcome::kLocalized ||
+      points.inliers >= kExplainsMost * static_cast<double>(points.matches)) {
+    return answer;
+  }
+  const Stopwatch watch(times.matching_ms);
+  if (!MatchesBetterMirrored(context.view(), segment)) return answer;
+  return Withheld(std::move(answer), Outcome::kLowConfidence);
+}
+
 // One segment through matching and all that follows; once more without the gravity that was sent
 // where that may be what is wrong. Only a LOCALIZED answer is taken from that second attempt.
 Result<Localization> TrySegment(const QueryContext& context, const MapSnapshot::Entry& entry,
-                                AgainstGravity against_gravity, int& iterations,
+                                AgainstGravity against_gravity, Progress& progress,
                                 StageTimes& times) {
   MatchedProblem matched = Match(context, *entry.segment, times);
   PoseProblem& problem = matched.problem;
@@ -84,44 +135,49 @@ Result<Localization> TrySegment(const QueryContext& context, const MapSnapshot::
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
   // The next best strategies are as dear as an attempt without gravity, and tried where that is.
   const bool fall_back = against_gravity != AgainstGravity::kNever;
-  MAPLOC_ASSIGN_OR_RETURN(Localization answer,
-                          TryMatches(context, entry, problem, fall_back, start, iterations, times));
-  if (!problem.has_gravity || !IsTried(against_gravity, answer.outcome)) return answer;
+  MAPLOC_ASSIGN_OR_RETURN(Localization answer, TryMatches(context, entry, problem, fall_back, start,
+                                                          progress.iterations, times));
+  answer = UnlessMirrored(context, *entry.segment, std::move(answer), times);
+  if (!problem.has_gravity || !IsTried(against_gravity, answer.outcome)) {
+    return Weigh(std::move(answer), progress);
+  }
 
   PoseProblem without = problem;
   without.has_gravity = false;
   Result<Localization> free =
-      TryMatches(context, entry, without, fall_back, start, iterations, times);
+      TryMatches(context, entry, without, fall_back, start, progress.iterations, times);
   if (!free.ok() && !IsOutOfTime(free.status())) return free.status();
-  if (!free.ok() || free->outcome != Outcome::kLocalized) return answer;
+  if (!free.ok() || free->outcome != Outcome::kLocalized) {
+    return Weigh(std::move(answer), progress);
+  }
   free->evidence.iterations += answer.evidence.iterations;
-  return free;
+  return Weigh(UnlessMirrored(context, *entry.segment, *std::move(free), times), progress);
 }
 
 // All ranked segments as one, where each alone was too little. The answer is told as one about the
 // segment that holds most of its inliers.
 Result<Localization> TryJointly(const QueryContext& context, const std::vector<int>& ranked,
-                                int& iterations, StageTimes& times) {
+                                Progress& progress, StageTimes& times) {
   std::vector<std::shared_ptr<const Segment>> parts;
   for (const int index : ranked) parts.push_back(context.map.segments[index].segment);
   const auto joint = std::make_shared<const Segment>(JoinSegments(parts));
   const MapSnapshot::Entry entry{joint, context.map.segments[ranked.front()].decision};
   MAPLOC_ASSIGN_OR_RETURN(
       Localization answer,
-      TrySegment(context, entry, AgainstGravity::kIfNotLocalized, iterations, times));
+      TrySegment(context, entry, AgainstGravity::kIfNotLocalized, progress, times));
   TellOfOnePart(*joint, parts, answer);
   return answer;
 }
 
 // All ranked segments together, then those after the first alone, until one answers.
 Result<Localization> TryBeyondFirst(const QueryContext& context, const std::vector<int>& ranked,
-                                    int& iterations, StageTimes& times) {
+                                    Progress& progress, StageTimes& times) {
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
-  MAPLOC_ASSIGN_OR_RETURN(Localization answer, TryJointly(context, ranked, iterations, times));
+  MAPLOC_ASSIGN_OR_RETURN(Localization answer, TryJointly(context, ranked, progress, times));
   for (std::size_t i = 1; i < ranked.size() && answer.outcome != Outcome::kLocalized; ++i) {
     MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
     MAPLOC_ASSIGN_OR_RETURN(answer, TrySegment(context, context.map.segments[ranked[i]],
-                                               AgainstGravity::kNever, iterations, times));
+                                               AgainstGravity::kNever, progress, times));
   }
   return answer;
 }
@@ -132,15 +188,15 @@ Result<Localization> TryBeyondFirst(const QueryContext& context, const std::vect
 // one segment.
 Result<Localization> TrySegments(const QueryContext& context, const std::vector<int>& ranked,
                                  StageTimes& times) {
-  int iterations = 0;
+  Progress progress;
   const bool alone = ranked.size() == 1;
   MAPLOC_ASSIGN_OR_RETURN(
       Localization first,
       TrySegment(context, context.map.segments[ranked.front()],
                  alone ? AgainstGravity::kIfNotLocalized : AgainstGravity::kIfInconsistent,
-                 iterations, times));
+                 progress, times));
   if (first.outcome == Outcome::kLocalized || alone) return first;
-  Result<Localization> other = TryBeyondFirst(context, ranked, iterations, times);
+  Result<Localization> other = TryBeyondFirst(context, ranked, progress, times);
   if (!other.ok() && !IsOutOfTime(other.status())) return other.status();
   return other.ok() && other->outcome == Outcome::kLocalized ? other : first;
 }

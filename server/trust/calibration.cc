@@ -31,6 +31,11 @@ constexpr double kSuspectedDistance2 = 13.3;
 // 6%; a focal length 2% off before a court of depth: 10% (MEASUREMENTS.md).
 constexpr double kClearGain = 0.08;
 constexpr double kMostFocalSigma = 0.1;
+// A flat front leaves little to gain by any lens: there a focal length is beyond doubt where it is
+// five standard deviations off, of its own and of what a map's bends make of one (2%). Tourists'
+// photos of such a front: at most 3.9 (8% off).
+constexpr double kBentFocal = 0.02;
+constexpr double kMaxBentDistance2 = 25.0;
 // Four values of a lens find something to gain among the wrong matches near a few dozen inliers.
 constexpr std::size_t kLeastForAnyLens = 60;
 // A threshold far beyond the noise would take every lens for a small gain: this many times the
@@ -53,8 +58,8 @@ double Distance2(const Found& found) {
   return found.lens.dot(spread.ldlt().solve(found.lens));
 }
 
-double FocalDistance2(const Found& found) {
-  return found.lens(0) * found.lens(0) / (found.covariance(0, 0) + kExact(0) * kExact(0));
+double FocalDistance2(const Found& found, double tolerance) {
+  return found.lens(0) * found.lens(0) / (found.covariance(0, 0) + tolerance * tolerance);
 }
 
 // Nothing is found where there is too little to tell.
@@ -103,7 +108,7 @@ CalibrationCheck CheckCalibration(const PoseProblem& problem, const RefinedPose&
   const double support = fit.Support();
   Found any;
   if (auto focal = FitLens(fit, kFocalAlone, support)) {
-    focal->distance2 = FocalDistance2(*focal);
+    focal->distance2 = FocalDistance2(*focal, kExact(0));
     const double sigma = std::sqrt(focal->covariance(0, 0));
     if (sigma <= kMostFocalSigma) check.focal_scale = FocalScale{std::exp(focal->lens(0)), sigma};
     const auto found =
@@ -112,7 +117,8 @@ CalibrationCheck CheckCalibration(const PoseProblem& problem, const RefinedPose&
       any = *found;
       any.distance2 = Distance2(any);
     }
-    check.consistent = !focal->Contradicts() && !any.Contradicts();
+    check.consistent = !focal->Contradicts() && !any.Contradicts() &&
+                       FocalDistance2(*focal, kBentFocal) <= kMaxBentDistance2;
   }
   check.covariance = CovarianceOfMapFromCamera(
       as_sent, response.of_pose * Uncertainty(response, any) * response.of_pose.transpose());

@@ -15,7 +15,8 @@ namespace maploc {
 struct CalibrationCheck {
   // False where another lens is beyond doubt: it is kMaxDistance2 away, and with it the pose
   // explains kClearGain more of the matches. The second is asked because with a thousand matches
-  // the map's own bends look like a lens at a dozen sigmas.
+  // the map's own bends look like a lens at a dozen sigmas. Or where the focal length is further
+  // off than such bends make it look.
   bool consistent = true;
   // The focal length that was found, all else as it was sent, over the sent one; unset where the
   // matches do not determine it to a tenth.

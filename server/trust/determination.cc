@@ -19,6 +19,8 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr std::size_t kEnoughInliers = 400;
+// The residuals of a pose that wrong matches have drawn along are smaller than its errors.
+constexpr double kNoiseMargin = 1.5;
 // Below this share of an observation nothing but itself determines what it measures.
 constexpr double kLeastRedundancy = 1e-6;
 
@@ -97,6 +99,10 @@ double ShareOfLimit(const PoseMatrix& pose, const Matrix6& covariance, double ro
   return share * share;
 }
 
+double InlierSigmaPx(const RefinedPose& pose, double max_reprojection_error_px) {
+  return std::min(0.5 * max_reprojection_error_px, kNoiseMargin * pose.feature_sigma_px);
+}
+
 }  // namespace
 
 double MedianInlierDepth(const PoseProblem& problem, const RefinedPose& pose) {
@@ -116,7 +122,7 @@ bool IsDetermined(const PoseProblem& problem, const RefinedPose& pose,
   const Measurements measurements(problem, pose);
   const std::vector<Jacobian26>& jacobians = measurements.jacobians();
   if (jacobians.size() < 2) return false;
-  const double sigma = 0.5 * max_reprojection_error_px / problem.focal_length_px *
+  const double sigma = InlierSigmaPx(pose, max_reprojection_error_px) / problem.focal_length_px *
                        std::sqrt(static_cast<double>(jacobians.size() - 1));
   Matrix6 information = Matrix6::Zero();
   for (const Jacobian26& jacobian : jacobians) {

@@ -25,8 +25,9 @@ double MedianInlierDepth(const PoseProblem& problem, const RefinedPose& pose);
 
 // True when the pose stays within `limit` by inliers that are worth no more than what is known of
 // them, WHICHEVER one of them is left out:
-// * an inlier may be off by anything within the threshold: a disc's uniform distribution has a
-//   standard deviation of half of its radius in each coordinate;
+// * an inlier is off by 1.5 times what the residuals and the map's own errors say
+//   (RefinedPose::feature_sigma_px), but by no more than anything within the threshold: a disc's
+//   uniform distribution has a standard deviation of half of its radius in each coordinate;
 // * landmarks of one place are triangulated from the same photos and err together, so that errors
 //   do not average: all inliers weigh as much as one would in their places (information / n);
 // * gravity counts with its stated sigma.

@@ -21,14 +21,14 @@ constexpr int kMaxSteps = 40;
 // Of a lens' values in one step: the equations are linear only so far, and a feature that a step
 // moves past the threshold is lost.
 constexpr double kLargestStep = 0.03;
-constexpr double kSmallestStep = 1e-5;
+constexpr double kSmallestStep = 1e-4;
 // Past these it is no lens.
 constexpr double kLargestLogScale = 2.0;
 constexpr double kLargestDistortion = 5.0;
 constexpr int kLeastFeatures = 20;  // twice the unknowns
 constexpr double kLossScaleSigmas = 2.5;
 // More do not tell more than what the map's own errors allow.
-constexpr std::size_t kEnoughFeatures = 600;
+constexpr std::size_t kEnoughFeatures = 300;
 constexpr double kLeastNoisePx = 0.3;  // no keypoint is placed better
 
 Eigen::Vector2d Undo(const LensValues& lens, const Eigen::Vector2d& seen) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/ransac/estimator.h"
+#include "server/ransac/stopping.h"
 #include "server/solvers/reprojection.h"
 #include "server/trust/determination.h"
 #include "server/trust/visibility.h"
@@ -18,6 +19,7 @@ namespace {
 constexpr std::uint64_t kSeed = 1;
 // log10 of a rival's false alarms: it is suspected long before it would be believed itself.
 constexpr double kMaxLogAlarms = 3.0;
+constexpr double kFound = 0.999;
 
 template <typename Correspondence>
 std::vector<Correspondence> Outliers(const std::vector<Correspondence>& features,
@@ -41,6 +43,10 @@ PoseProblem LeftOver(const PoseProblem& problem, const RefinedPose& pose) {
   return part;
 }
 
+std::size_t FeatureCount(const PoseProblem& problem) {
+  return problem.points.size() + problem.lines.size();
+}
+
 // So near that both may be the tail of one pose's noise, or of the map's.
 bool IsSamePose(const PoseProblem& problem, const RefinedPose& pose, const RefinedPose& rival) {
   const Rigid3& a = pose.camera_from_map;
@@ -50,13 +56,27 @@ bool IsSamePose(const PoseProblem& problem, const RefinedPose& pose, const Refin
          apart < kMaxSpread.position_share * MedianInlierDepth(problem, pose);
 }
 
+// What finds a pose of `needed` inliers, and no more: where little is left over, a rival would fill
+// it, and is found soon or is not there. Twice that, for noise keeps some good draws from it.
+int Iterations(const PoseProblem& problem, Strategy strategy, std::size_t needed) {
+  const double share = static_cast<double>(needed) / static_cast<double>(FeatureCount(problem));
+  InlierCounts counts;
+  counts.points = static_cast<int>(problem.points.size());
+  counts.usable_lines = static_cast<int>(problem.lines.size());
+  counts.point_inliers = static_cast<int>(share * counts.points);
+  counts.usable_line_inliers = static_cast<int>(share * counts.usable_lines);
+  const int required = RequiredIterations(DrawProbability(strategy, counts), Yield(strategy),
+                                          kFound, kRivalIterations);
+  return std::min(2 * required, kRivalIterations);
+}
+
 std::optional<RefinedPose> BestPose(const PoseProblem& problem, bool with_gravity,
-                                    double max_reprojection_error_px) {
+                                    std::size_t needed, double max_reprojection_error_px) {
   RansacOptions options;
   options.strategy = with_gravity ? Strategy::kMixed : Strategy::kP3P;
   options.fall_back = false;
   options.max_reprojection_error_px = max_reprojection_error_px;
-  options.max_iterations = kRivalIterations;
+  options.max_iterations = Iterations(problem, options.strategy, needed);
   options.seed = kSeed;
   const Consensus consensus = EstimateConsensus(problem, options);
   if (!consensus.found) return std::nullopt;
@@ -72,7 +92,7 @@ std::optional<RefinedPose> BestPose(const PoseProblem& problem, bool with_gravit
 std::optional<RefinedPose> SearchRival(const PoseProblem& left_over, bool with_gravity,
                                        std::size_t needed, const ConfidenceOptions& options) {
   const std::optional<RefinedPose> rival =
-      BestPose(left_over, with_gravity, options.max_reprojection_error_px);
+      BestPose(left_over, with_gravity, needed, options.max_reprojection_error_px);
   if (!rival || rival->InlierCount() < needed) return std::nullopt;
   ConfidenceOptions chance = options;
   chance.iterations = kRivalIterations;
@@ -105,10 +125,6 @@ PoseProblem Mirrored(PoseProblem problem) {
 std::size_t InliersNeeded(const RefinedPose& pose) {
   const double share = kRivalShare * static_cast<double>(pose.InlierCount());
   return std::max(kLeastRival, static_cast<std::size_t>(std::ceil(share)));
-}
-
-std::size_t FeatureCount(const PoseProblem& problem) {
-  return problem.points.size() + problem.lines.size();
 }
 
 }  // namespace

@@ -21,8 +21,9 @@ namespace maploc {
 // kRivalShare of the inliers of `pose`, and kLeastRival, among these outliers; it is more than
 // kMaxSpread (determination.h) away, which one pose's noise is not; and it has at most 1000 false
 // alarms by the test that the pose itself has passed: among
-// many matches five agree with some pose by accident. At most kRivalIterations a search; none where
-// too little is left over, so that a pose that explains most of the matches costs nothing.
+// many matches five agree with some pose by accident. As many iterations a search as find so many
+// inliers among what is left over, at most kRivalIterations; none where too little is left over, so
+// that a pose that explains most of the matches costs nothing.
 // `options.iterations` is not looked at. Deterministic; thread-safe.
 std::optional<RefinedPose> FindRival(const PoseProblem& problem, const RefinedPose& pose,
                                      const ConfidenceOptions& options);

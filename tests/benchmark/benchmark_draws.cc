@@ -1,5 +1,5 @@
-// What the selector takes for granted about RANSAC (mapstore/statistics/README.md): the share of
-// draws that are evaluated, all-inlier ones and others, and what an iteration of each strategy
+// What the selector takes for granted about RANSAC (mapstore/statistics/MEASUREMENTS.md): the share
+// of draws that are evaluated, all-inlier ones and others, and what an iteration of each strategy
 // costs beside the others'.
 #include <numbers>
 #include <vector>

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <system_error>
 
+#include "mapstore/base/table.h"
 #include "mapstore/tools/output.h"
 
 namespace maploc::experiments {

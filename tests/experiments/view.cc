@@ -5,8 +5,8 @@
 #include <limits>
 #include <ostream>
 
+#include "mapstore/base/table.h"
 #include "mapstore/statistics/text.h"
-#include "mapstore/tools/output.h"
 
 namespace maploc::experiments {
 namespace {

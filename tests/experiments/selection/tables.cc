@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <ostream>
 
+#include "mapstore/base/table.h"
 #include "mapstore/statistics/text.h"
 #include "mapstore/tools/output.h"
 #include "tests/experiments/selection/groups.h"

@@ -112,11 +112,17 @@ TEST_F(MaplocTest, AReplayLocalizesAndReportsWhatScriptsRelyOn) {
   for (const char* key :
        {"name", "outcome", "translation_error_m", "rotation_error_deg", "segment", "strategy",
         "iterations", "point_matches", "point_inliers", "line_matches", "line_inliers",
-        "confidence", "gravity_rejected", "inlier_rms_px", "server_ms", "latency_ms"}) {
+        "confidence", "position_sigma_m", "rotation_sigma_deg", "gravity_rejected", "inlier_rms_px",
+        "server_ms", "latency_ms"}) {
     EXPECT_TRUE(json["per_query"][0].contains(key)) << key;
   }
   for (const Json& query : json["per_query"]) {
-    EXPECT_EQ(query["translation_error_m"].is_null(), query["outcome"] != "LOCALIZED");
+    for (const char* key : {"translation_error_m", "position_sigma_m", "rotation_sigma_deg"}) {
+      EXPECT_EQ(query[key].is_null(), query["outcome"] != "LOCALIZED") << key;
+    }
+    if (query["outcome"] != "LOCALIZED") continue;
+    EXPECT_GT(query["position_sigma_m"], 0.0);
+    EXPECT_LT(query["translation_error_m"], 6.0 * query["position_sigma_m"].get<double>());
   }
 
   const std::string end =
@@ -126,6 +132,27 @@ TEST_F(MaplocTest, AReplayLocalizesAndReportsWhatScriptsRelyOn) {
   EXPECT_EQ(once.exit_code, 0) << once.error;
   EXPECT_EQ(once.out, twice.out);
   EXPECT_EQ(Json::parse(once.out)["queries"], 180);
+}
+
+// A grey photo shows nothing: a normal answer, whose every key is there.
+TEST_F(MaplocTest, APhotoThatIsNotLocalizedTellsWhatItsMatchesLeaveOpen) {
+  const std::string photo = folder_->File("grey.pgm");
+  WriteFile(photo, "P5 64 48 255\n" + std::string(64 * 48, '\x80'));
+  const std::string camera = folder_->File("camera.txt");
+  WriteFile(camera, "1 PINHOLE 64 48 50 50 32 24\n");
+  const std::string command = "maploc localize" + At() + "--map campus --image " + photo +
+                              " --camera " + camera + " --gravity 0,1,0";
+  const Output run = RunBinary(command + " --json");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const Json json = Json::parse(run.out);
+  EXPECT_NE(json["outcome"], "LOCALIZED");
+  EXPECT_EQ(json.at("map_from_body"), nullptr);
+  EXPECT_EQ(json.at("inlier_rms_px"), 0.0);
+  EXPECT_EQ(json.at("focal_length_scale"), nullptr);
+  EXPECT_EQ(json.at("focal_length_scale_sigma"), nullptr);
+  const std::string text = RunBinary(command).out;
+  EXPECT_THAT(text, HasSubstr("inlier rms   - px"));
+  EXPECT_THAT(text, HasSubstr("focal length not determined by the matches"));
 }
 
 TEST_F(MaplocTest, ManyRobotsAtOnceAreReported) {

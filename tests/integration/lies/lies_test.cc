@@ -74,6 +74,13 @@ TEST_F(LiesTest, NorBeforeAChurchAndNoMirroredPhotoIsBelieved) {
   EXPECT_EQ(SumOf(rows, "calibration").wrong, 0);
 }
 
+TEST_F(LiesTest, AMirroredPhotoOfAMirrorSymmetricFrontIsNotBelieved) {
+  const experiments::Rows rows = Tell("reichstag", {"honest", "mirror"});
+  ASSERT_FALSE(rows.empty());
+  EXPECT_EQ(rows.front()["right"], 16) << rows.front().dump();
+  EXPECT_EQ(SumOf(rows, "mirror").localized, 0);
+}
+
 TEST_F(LiesTest, AtNightLinesNeverMakeItWorse) {
   options_.draws = 12;
   const experiments::Rows rows = Tell("sacre_coeur", {"few"});

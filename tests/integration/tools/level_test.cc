@@ -1,10 +1,6 @@
 // maploc-map level, by the binary itself: a map that leans becomes a version that does not.
-#include <gmock/gmock.h>
-#include <nlohmann/json.hpp>
-
 #include "mapstore/geometry/gravity.h"
-#include "tests/contract/store/store_fixture.h"
-#include "tests/support/run_binary.h"
+#include "tests/integration/tools/maploc_map_fixture.h"
 
 namespace maploc::testing {
 namespace {
@@ -12,26 +8,12 @@ namespace {
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-class Level : public ::testing::Test {
+class Level : public MaplocMap {
  protected:
-  void SetUp() override {
-    auto opened = OpenSqliteStore(store_);
-    ASSERT_TRUE(opened.ok());
-    MapStore& store = **opened;
-    key_ = GiveMap(store);
-    ASSERT_TRUE(store.StartSession(OpenSession("s", key_)).ok());
-    std::vector<Observation> seen;
-    for (int i = 1; i <= 20; ++i) seen.push_back(Seen(i, 1, 100, 20, 20, 16));
-    ASSERT_TRUE(store.EndSession("s", SessionEnd::kByRobot, 5000, seen).ok());
-  }
   Output Run(const std::string& arguments) {
-    return RunBinary("maploc-map level --store " + store_ + " --map yard " + arguments);
+    return Map("level --store $STORE --map yard " + arguments);
   }
   std::unique_ptr<MapStore> Open() { return std::move(OpenSqliteStore(store_)).value(); }
-
-  TemporaryFolder folder_;
-  std::string store_ = folder_.File("campus.db");
-  MapKey key_;
 };
 
 TEST_F(Level, TurnsLandmarksAndPathAndKeepsWhatSessionsTaught) {

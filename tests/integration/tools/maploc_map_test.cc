@@ -1,54 +1,11 @@
 // Runs the binary itself: exit codes, JSON keys and where its words go (interface.md).
-#include <gmock/gmock.h>
-#include <nlohmann/json.hpp>
-
-#include "tests/contract/store/store_fixture.h"
-#include "tests/support/run_binary.h"
+#include "tests/integration/tools/maploc_map_fixture.h"
 
 namespace maploc::testing {
 namespace {
 
 using nlohmann::json;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-class MaplocMap : public ::testing::Test {
- protected:
-  void SetUp() override {
-    auto opened = OpenSqliteStore(store_);
-    ASSERT_TRUE(opened.ok());
-    MapStore& store = **opened;
-    key_ = GiveMap(store);
-    ASSERT_TRUE(store.StartSession(OpenSession("s", key_)).ok());
-    std::vector<Observation> seen;
-    for (int i = 1; i <= 20; ++i) seen.push_back(Seen(i, 1, 100, 20, 20, 16));
-    seen.push_back(Missed(21, 1));
-    ASSERT_TRUE(store.EndSession("s", SessionEnd::kByRobot, 5000, seen).ok());
-    ASSERT_TRUE(store.StartSession(OpenSession("open", key_, 2000)).ok());
-  }
-  // $STORE stands for the store's path.
-  Output Map(std::string arguments) {
-    if (const auto at = arguments.find("$STORE"); at != std::string::npos) {
-      arguments.replace(at, 6, store_);
-    }
-    return RunBinary("maploc-map " + arguments);
-  }
-  json Json(const std::string& arguments) {
-    const Output run = Map(arguments + " --json");
-    EXPECT_EQ(run.exit_code, 0) << run.error;
-    EXPECT_EQ(run.error, "");
-    const json document = json::parse(run.out, nullptr, false);
-    EXPECT_FALSE(document.is_discarded()) << run.out;
-    return document;
-  }
-  void ExpectFails(const std::string& arguments, const std::string& cause) {
-    ExpectFailed(Map(arguments), cause);
-  }
-
-  TemporaryFolder folder_;
-  std::string store_ = folder_.File("campus.db");
-  MapKey key_;
-};
 
 TEST_F(MaplocMap, EveryCommandHelpsWithAnExample) {
   for (const std::string command : {"list", "segments", "stats", "strategy", "explain", "sessions",
@@ -214,42 +171,6 @@ TEST_F(MaplocMap, ARevokedSessionNoLongerCountsUntilItIsTakenBack) {
   EXPECT_EQ(Json("revoke --store $STORE --session s --undo").at("revoked"), false);
   EXPECT_EQ(Json("segments --store $STORE --map yard"), before);
   ExpectFails("revoke --store $STORE --session nobody", "session 'nobody' does not exist");
-}
-
-// Three robots drive the yard; the gravity of one is five degrees off.
-TEST_F(MaplocMap, ARobotThatStandsOutIsNamedByRobotsAndBySessions) {
-  {
-    const auto store = OpenSqliteStore(store_).value();
-    ASSERT_TRUE(store->RevokeSession("s").ok());  // the fixture's saw other things
-    for (const std::string robot : {"good", "fine", "tilted"}) {
-      for (int drive = 0; drive < 3; ++drive) {
-        Session session = OpenSession(robot + std::to_string(drive), key_, 5000 + drive);
-        session.robot = robot;
-        ASSERT_TRUE(store->StartSession(session).ok());
-        std::vector<Observation> seen;
-        for (int i = 1; i <= 12; ++i) {
-          seen.push_back(Seen(i, i % 3));
-          seen.back().evidence.gravity_disagreement_rad = robot == "tilted" ? 0.087 : 0.01;
-        }
-        ASSERT_TRUE(store->EndSession(session.id, SessionEnd::kByRobot, 6000, seen).ok());
-      }
-    }
-  }
-  const json robots = Json("robots --store $STORE --map yard");
-  ASSERT_EQ(robots.size(), 4u);  // and r2 of the fixture
-  for (const json& robot : robots) {
-    EXPECT_EQ(robot.at("stands_out"), robot.at("robot") == "tilted") << robot;
-  }
-  EXPECT_EQ(robots[3].at("differences")[0].at("metric"), "gravity");
-  EXPECT_DOUBLE_EQ(robots[3].at("differences")[0].at("own"), 0.087);
-  EXPECT_DOUBLE_EQ(robots[3].at("differences")[0].at("others"), 0.01);
-  const std::string flag = "gravity 5.0 (others 0.6) degrees";
-  EXPECT_THAT(Map("robots --store $STORE --map yard").out, HasSubstr(flag));
-  for (const json& session : Json("sessions --store $STORE")) {
-    EXPECT_EQ(session.at("stands_out"), session.at("robot") == "tilted") << session;
-  }
-  EXPECT_THAT(Map("sessions --store $STORE").out, HasSubstr(flag));
-  ExpectFails("robots --store $STORE --map yard --version 2", "map 'yard' version 2");
 }
 
 // Twelve days and nights; from the sixth day on the points of segment 2 are gone by day.

@@ -87,5 +87,13 @@ TEST(MetricsTest, ErrorIsBetweenBodiesInTheMap) {
   EXPECT_NEAR(error.rotation_deg, 0.1 * 180.0 / 3.141592653589793, 1e-9);
 }
 
+TEST(MetricsTest, TheExpectedErrorIsOfAllAxes) {
+  PoseCovariance covariance = PoseCovariance::Ones();  // no correlation counts
+  covariance.diagonal() << 0.01, 0.04, 0.04, 1e-4, 4e-4, 4e-4;
+  const PoseError expected = ExpectedError(covariance);
+  EXPECT_NEAR(expected.translation_m, 0.3, 1e-12);
+  EXPECT_NEAR(expected.rotation_deg, 0.03 * 180.0 / 3.141592653589793, 1e-9);
+}
+
 }  // namespace
 }  // namespace maploc

@@ -195,6 +195,26 @@ TEST(Robots, OneRobotAloneOrRobotsApartCannotBeCompared) {
   EXPECT_THAT(Compare({}).robots, IsEmpty());
 }
 
+// Of one robot, which nobody is compared with.
+TEST(Robots, ACalibrationIsOffInMostQueriesOfThreeAtLeast) {
+  const auto is_off = [](int contradicted, int queries) {
+    ToldSession session{"s", "r", 0, {}};
+    for (int i = 0; i < queries; ++i) {
+      Observation query;
+      query.outcome = i < contradicted ? Outcome::kCalibrationInconsistent : Outcome::kLocalized;
+      session.observations.push_back(query);
+    }
+    const FleetComparison fleet = Compare({session});
+    EXPECT_EQ(fleet.robots[0].calibration_inconsistent, contradicted);
+    return fleet.robots[0].CalibrationIsOff();
+  };
+  EXPECT_FALSE(is_off(0, 0));
+  EXPECT_FALSE(is_off(2, 2));
+  EXPECT_TRUE(is_off(3, 3));
+  EXPECT_FALSE(is_off(3, 6));
+  EXPECT_TRUE(is_off(4, 7));
+}
+
 TEST(Robots, OfTwoRobotsTheWorseOneIsFlagged) {
   Random random = TestRandom();
   std::vector<ToldSession> sessions = Tell({.broken_imu = 0}, random);

@@ -1,27 +1,11 @@
 #include "mapstore/tools/output.h"
 
-#include <sstream>
-
 #include <gmock/gmock.h>
 
 #include "mapstore/tools/plot_svg.h"
 
 namespace maploc {
 namespace {
-
-TEST(Table, PadsColumnsToTheirWidestCell) {
-  Table table({"map", "points"});
-  table.AddRow({"a", "12"});
-  table.AddRow(
-      {"h\xc3\xb6"
-       "fe",
-       "3"});  // four letters in five bytes
-  std::ostringstream out;
-  table.Print(out);
-  EXPECT_EQ(out.str(),
-            "map   points\n----  ------\na     12\nh\xc3\xb6"
-            "fe  3\n");
-}
 
 TEST(FormatRatio, ShowsThatThereIsNone) {
   EXPECT_EQ(FormatRatio(std::nullopt), "-");

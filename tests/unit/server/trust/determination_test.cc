@@ -29,6 +29,7 @@ class Scene {
     problem_.gravity_sigma_rad = 1.0 * kDegree;
     problem_.gravity_in_camera = {0, 1, 0};
     pose_.converged = true;
+    pose_.feature_sigma_px = kThresholdPx;
     pose_.camera_from_map = LevelCamera(centre);
   }
   void AddInlier(double x, double y, double depth) {
@@ -68,6 +69,16 @@ TEST(IsDetermined, APatchOfAWallDoesNotHoweverManyItsPoints) {
     scene.AddInliers(count, 0.08, 3.0, 0.05, random);
     EXPECT_FALSE(scene.IsDetermined()) << count;
   }
+}
+
+// A drawn sheet through a narrow lens: flat, but its residuals are a fraction of the threshold.
+TEST(IsDetermined, AFlatSheetIsWhereItsResidualsAreSmall) {
+  Random random = TestRandom();
+  Scene scene;
+  scene.AddInliers(90, 0.25, 3.0, 0.01, random);
+  EXPECT_FALSE(scene.IsDetermined());
+  scene.pose().feature_sigma_px = 0.4;
+  EXPECT_TRUE(scene.IsDetermined());
 }
 
 // The case of a real answer 0.5 m and 11 degrees off: the one inlier before the wall was wrong.

@@ -1,0 +1,65 @@
+#include "server/matching/mirrored.h"
+
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "server/matching/segment_matching.h"
+
+namespace maploc {
+namespace {
+
+constexpr int kPoints = 1000;
+// Of the matches as they were sent: a symmetric front that is seen honestly matches turned over,
+// too, but worse. And so many standard deviations of the two counts' difference more.
+constexpr double kClearlyMore = 1.5;
+constexpr double kSigmas = 4.0;
+
+// SIFT's layout: 4 rows of 4 cells of 8 directions each, in the frame of the keypoint's own
+// direction. A mirrored patch has its rows in the opposite order, and its directions run the other
+// way about.
+constexpr int kCells = 4;
+constexpr int kDirections = 8;
+constexpr int kSiftBytes = kCells * kCells * kDirections;
+
+bool IsSift(const DescriptorKind& kind) {
+  return kind.metric == DescriptorMetric::kL2U8 && kind.bytes == kSiftBytes;
+}
+
+void AppendMirrored(std::span<const std::uint8_t> sift, std::vector<std::uint8_t>& bytes) {
+  for (int row = kCells - 1; row >= 0; --row) {
+    for (int cell = 0; cell < kCells; ++cell) {
+      const std::span<const std::uint8_t> directions =
+          sift.subspan((row * kCells + cell) * kDirections, kDirections);
+      for (int i = 0; i < kDirections; ++i) {
+        bytes.push_back(directions[(kDirections - i) % kDirections]);
+      }
+    }
+  }
+}
+
+double MatchCount(const Camera& camera, const Descriptors& descriptors, const Segment& segment) {
+  const View view{camera, {}, {{}, descriptors}, {}};
+  return static_cast<double>(MatchSegment(view, segment).points.size());
+}
+
+}  // namespace
+
+bool MatchesBetterMirrored(const View& view, const Segment& segment) {
+  const Descriptors& all = view.points.descriptors;
+  if (!IsSift(all.kind)) return false;
+  Descriptors sent{all.kind, {}};
+  Descriptors mirrored{all.kind, {}};
+  const int step = 1 + (all.size() - 1) / kPoints;
+  for (int i = 0; i < all.size(); i += step) {
+    const std::span<const std::uint8_t> row = all.row(i);
+    sent.bytes.insert(sent.bytes.end(), row.begin(), row.end());
+    AppendMirrored(row, mirrored.bytes);
+  }
+  const double as_sent = MatchCount(view.camera, sent, segment);
+  const double turned = MatchCount(view.camera, mirrored, segment);
+  return turned > kClearlyMore * as_sent &&
+         turned - as_sent > kSigmas * std::sqrt(turned + as_sent);
+}
+
+}  // namespace maploc
