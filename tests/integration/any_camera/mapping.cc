@@ -33,8 +33,7 @@ class Mapping {
   bool IsSeen(const Rigid3& camera_from_map, const Eigen::Vector3d& position) const {
     const Eigen::Vector3d in_camera = camera_from_map * position;
     const auto pixel = lens_.Project(in_camera);
-    return in_camera.norm() < place_.range_m && pixel && pixel->minCoeff() >= 0 &&
-           pixel->x() <= lens_.width_px() - 1 && pixel->y() <= lens_.height_px() - 1;
+    return in_camera.norm() < place_.range_m && pixel && IsInImage(lens_, *pixel);
   }
 
   void AddFrame(std::int64_t id, const Rigid3& camera_from_map) {

@@ -84,6 +84,8 @@ Sighting See(const Place& place, const Rigid3& camera_from_map, const SightingOp
 // The sighting through a lens on a robot; the lens is turned by `turn` from the camera without one.
 // Features that the image does not hold are left out.
 Query Through(const Sighting& sighting, const Camera& lens, const Eigen::Quaterniond& turn);
+bool IsInImage(const Camera& lens, const Eigen::Vector2d& pixel);
+
 // A camera that is held so that it measures this gravity, turned by `yaw_rad` about it.
 Rigid3 CameraFromMap(const Eigen::Vector3d& centre, const Eigen::Vector3d& gravity_in_camera,
                      double yaw_rad);
