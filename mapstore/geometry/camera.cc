@@ -95,6 +95,7 @@ int CameraParamCount(CameraModel model) { return Traits(model).param_count; }
 Camera::Camera(CameraModel model, int width_px, int height_px, std::vector<double> params)
     : model_(model), width_px_(width_px), height_px_(height_px), params_(std::move(params)) {
   if (model_ == CameraModel::kOpenCvFisheye) max_theta_rad_ = MaxBendableAngle(&params_[4]);
+  wide_ = LooksWide();
 }
 
 Result<Camera> Camera::Create(CameraModel model, int width_px, int height_px,
@@ -135,7 +136,7 @@ double Camera::MeanFocalLengthPx() const {
   return std::sqrt(f.x() * f.y());
 }
 
-bool Camera::IsWide() const {
+bool Camera::LooksWide() const {
   if (model_ == CameraModel::kOpenCvFisheye) return true;
   // From the axis to the corner that is furthest: distortion is radial but for a little.
   const Eigen::Vector2d centre = principal_point_px();

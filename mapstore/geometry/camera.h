@@ -50,7 +50,7 @@ class Camera {
   double MeanFocalLengthPx() const;
   // Whether errors in the plane z = 1 times the mean focal length are too far from pixels to be
   // taken for them: rays and Frame() serve instead.
-  bool IsWide() const;
+  bool IsWide() const { return wide_; }
 
   // The undistorted point (x/z, y/z) in the plane z = 1 whose projection is `pixel`. Newton's
   // iterations; nullopt when they do not converge (a pixel outside of what the distortion can
@@ -68,6 +68,7 @@ class Camera {
  private:
   Camera(CameraModel model, int width_px, int height_px, std::vector<double> params);
 
+  bool LooksWide() const;
   // `distorted`: the pixel without principal point and focal lengths.
   std::optional<Eigen::Vector2d> UndistortBrown(const Eigen::Vector2d& distorted) const;
   std::optional<Eigen::Vector3d> FisheyeRay(const Eigen::Vector2d& distorted) const;
@@ -80,6 +81,7 @@ class Camera {
   int height_px_;
   std::vector<double> params_;
   double max_theta_rad_ = 0.0;  // of a fisheye: as far as its polynomial rises
+  bool wide_ = false;
 };
 
 }  // namespace maploc

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -105,14 +104,18 @@ LineUnderPose Look(const LineCorrespondence& match, const PoseMatrix& pose, doub
   return line;
 }
 
+// What is seen on another's line is one with it.
+bool AreApart(const LineUnderPose& a, const LineUnderPose& b, double threshold) {
+  return !LiesOn(a.seen, b.seen_line, 2.0 * threshold);
+}
+
 int DistinctInliers(const std::vector<LineUnderPose>& lines,
                     const std::vector<std::uint8_t>& inliers, double threshold) {
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (inliers[i] == 0) continue;
-    const bool is_new = std::none_of(kept.begin(), kept.end(), [&](std::size_t other) {
-      return LiesOn(lines[i].seen, lines[other].seen_line, 2.0 * threshold);
-    });
+    const bool is_new = std::ranges::all_of(
+        kept, [&](std::size_t other) { return AreApart(lines[i], lines[other], threshold); });
     if (is_new) kept.push_back(i);
   }
   return static_cast<int>(kept.size());
@@ -121,60 +124,57 @@ int DistinctInliers(const std::vector<LineUnderPose>& lines,
 // `framed`: of all lines, or of none.
 PairCount WrongPairs(const std::vector<LineUnderPose>& lines, const std::vector<FramedLine>& framed,
                      const std::vector<std::uint8_t>& inliers, double threshold) {
-  PairCount count;
-  std::vector<std::int64_t> per_landmark;
-  std::vector<std::size_t> outliers;  // an inlier's place is taken
-  Eigen::Vector3d curved;
+  std::vector<std::size_t> outliers;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (inliers[i] == 0 && lines[i].projects) outliers.push_back(i);
   }
-  const std::vector<std::size_t> features = SpreadIndices(lines.size(), kMostFeatures);
-  for (const std::size_t index : SpreadIndices(outliers.size(), kMostLandmarks)) {
-    const std::size_t j = outliers[index];
-    std::int64_t agreeing = 0;
-    for (const std::size_t i : features) {
-      if (!framed.empty()) curved = ProjectedNear(framed[i], framed[j].moment);
-      const Eigen::Vector3d& projected = framed.empty() ? lines[j].projected_line : curved;
-      if (i == j || !AreAlike(lines[i].seen_line, projected)) continue;
-      if (LiesOn(lines[i].seen, lines[j].seen_line, 2.0 * threshold)) continue;
-      ++count.pairs;
-      agreeing += LiesOn(lines[i].seen, projected, threshold) ? 1 : 0;
-    }
-    per_landmark.push_back(agreeing);
+  const auto compare = [&](std::size_t i, std::size_t j, const Eigen::Vector3d& projected) {
+    const bool is_pair = i != j && AreAlike(lines[i].seen_line, projected) &&
+                         AreApart(lines[i], lines[j], threshold);
+    return Tell(is_pair, is_pair && LiesOn(lines[i].seen, projected, threshold));
+  };
+  return CountWrongPairs(lines.size(), outliers, [&](std::size_t i, std::size_t j) {
+    if (framed.empty()) return compare(i, j, lines[j].projected_line);
+    return compare(i, j, ProjectedNear(framed[i], framed[j].moment));
+  });
+}
+
+struct ShiftedLine {
+  LineUnderPose line;
+  double tolerance;
+};
+
+std::vector<ShiftedLine> ShiftedOutliers(const std::vector<LineUnderPose>& lines,
+                                         const std::vector<std::uint8_t>& inliers,
+                                         double threshold) {
+  std::vector<ShiftedLine> outliers;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (inliers[i] != 0 || !lines[i].alike) continue;
+    const double length = std::abs(lines[i].shift);
+    if (!IsShifted(length, threshold)) continue;
+    outliers.push_back({lines[i], ShiftTolerance(length, threshold)});
   }
-  count.agreeing = AgreeingByRepetition(per_landmark);
-  return count;
+  return outliers;
+}
+
+// Shifts that are uniform over an interval about 0 have its length squared / 12 as variance.
+double RangeOfShifts(const std::vector<ShiftedLine>& outliers) {
+  double sum2 = 0.0;
+  for (const ShiftedLine& outlier : outliers) sum2 += outlier.line.shift * outlier.line.shift;
+  return std::sqrt(12.0 * sum2 / std::max<double>(1.0, outliers.size()));
 }
 
 double SharedShift(const std::vector<LineUnderPose>& lines,
                    const std::vector<std::uint8_t>& inliers, double threshold) {
-  std::vector<LineUnderPose> outliers;
-  double sum2 = 0.0;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (inliers[i] != 0 || !lines[i].alike) continue;
-    if (std::abs(lines[i].shift) < kNearMissThresholds * threshold) continue;
-    outliers.push_back(lines[i]);
-    sum2 += lines[i].shift * lines[i].shift;
-  }
-  // Shifts that are uniform over an interval about 0 have its length squared / 12 as variance.
-  const double range = std::sqrt(12.0 * sum2 / std::max<double>(1.0, outliers.size()));
-  PairCount count;
-  double expected = 0.0;
-  const std::vector<std::size_t> looked_at = SpreadIndices(outliers.size(), kMostShifts);
-  for (std::size_t a = 0; a < looked_at.size(); ++a) {
-    const LineUnderPose& one = outliers[looked_at[a]];
-    const double tolerance =
-        std::max(std::numbers::sqrt2 * threshold, kPerspectiveShare * std::abs(one.shift));
-    for (std::size_t b = a + 1; b < looked_at.size(); ++b) {
-      const LineUnderPose& other = outliers[looked_at[b]];
-      if (!AreAlike(one.seen_line, other.seen_line)) continue;
-      if (LiesOn(one.seen, other.seen_line, 2.0 * threshold)) continue;
-      ++count.pairs;
-      expected += std::min(1.0, 2.0 * tolerance / range);
-      count.agreeing += std::abs(one.shift - other.shift) < tolerance ? 1 : 0;
-    }
-  }
-  return ShareOfPattern(count, expected);
+  const std::vector<ShiftedLine> outliers = ShiftedOutliers(lines, inliers, threshold);
+  const double range = RangeOfShifts(outliers);
+  const auto compare = [&](const ShiftedLine& one, const ShiftedLine& other) {
+    const bool is_pair = AreAlike(one.line.seen_line, other.line.seen_line) &&
+                         AreApart(one.line, other.line, threshold);
+    return Tell(is_pair, std::abs(one.line.shift - other.line.shift) < one.tolerance);
+  };
+  return ShareOffAlike(outliers, compare,
+                       [&](double tolerance) { return 2.0 * tolerance / range; });
 }
 
 }  // namespace

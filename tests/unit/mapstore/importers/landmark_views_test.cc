@@ -5,6 +5,7 @@
 
 #include "mapstore/importers/point_geometry.h"
 #include "tests/support/seed.h"
+#include "tests/support/seen_through.h"
 #include "tests/unit/mapstore/importers/drawn_scene.h"
 
 namespace maploc {
@@ -54,6 +55,39 @@ TEST(CovarianceFromFramesTest, IsWhatTriangulationMakesOfNoise) {
     const double ratio = best.dot(told * best) / best.dot(sampled * best);
     EXPECT_NEAR(ratio, 1.0, 0.1);
   }
+}
+
+// The derivative of the pixel by the position, in steps.
+Eigen::Matrix<double, 2, 3> SteppedJacobian(const KeyFrame& frame, const Eigen::Vector3d& point) {
+  constexpr double kStep = 1e-5;
+  Eigen::Matrix<double, 2, 3> jacobian;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(i);
+    jacobian.col(i) = (*frame.camera.Project(frame.camera_from_map * (point + step)) -
+                       *frame.camera.Project(frame.camera_from_map * (point - step))) /
+                      (2 * kStep);
+  }
+  return jacobian;
+}
+
+// Seen 80 to 100 degrees off the axis.
+TEST(CovarianceFromFramesTest, HoldsAtTheRimOfAFisheye) {
+  std::vector<KeyFrame> frames = {testing::MakeFrame(0, {-2, -8, 1}),
+                                  testing::MakeFrame(1, {0.5, -9, 2}),
+                                  testing::MakeFrame(2, {1.5, -7, 0})};
+  const Eigen::Quaterniond aside(Eigen::AngleAxisd(1.57, Eigen::Vector3d::UnitY()));
+  const Eigen::Vector3d point(0.5, 0, 1);
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  for (KeyFrame& frame : frames) {
+    frame.camera = testing::FisheyeOf(220, 500);
+    frame.camera_from_map = Rigid3{aside, {0, 0, 0}} * frame.camera_from_map;
+    const auto jacobian = SteppedJacobian(frame, point);
+    information += jacobian.transpose() * jacobian;
+  }
+  const std::vector<std::int32_t> seen_by = {0, 1, 2};
+  const Eigen::Matrix3d told = Unpack(CovarianceFromFrames(point, frames, seen_by));
+  const Eigen::Matrix3d expected = information.inverse();
+  EXPECT_LT((told - expected).norm(), 1e-3 * expected.norm()) << told << "\n\n" << expected;
 }
 
 TEST(CovarianceFromFramesTest, ADirectionWithoutEvidenceGetsTheDistance) {

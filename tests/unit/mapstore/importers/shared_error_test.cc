@@ -6,19 +6,26 @@
 
 #include "mapstore/base/random.h"
 #include "tests/support/seed.h"
+#include "tests/support/seen_through.h"
 
 namespace maploc {
 namespace {
 
 constexpr double kFocalPx = 500.0;
 
+Camera Pinhole() {
+  return Camera::Create(CameraModel::kSimplePinhole, 640, 480, {kFocalPx, 319.5, 239.5}).value();
+}
+
 // Frames in a row before a cloud of points, each of which all of them see; every frame's pose is
 // written down with a turn about its y axis by N(0, `turn_rad`), its keypoints with N(0, 0.5 px).
-ColmapModel MakeModel(int frames, double turn_rad, Random& random) {
+// The camera is turned down by `down_rad`: the points come to lie so far off its axis.
+ColmapModel MakeModel(int frames, double turn_rad, Random& random, const Camera& camera = Pinhole(),
+                      double down_rad = 0.0) {
   ColmapModel model;
-  const Camera camera =
-      Camera::Create(CameraModel::kSimplePinhole, 640, 480, {kFocalPx, 319.5, 239.5}).value();
   model.cameras.emplace(1, camera);
+  const Rigid3 down = {Eigen::Quaterniond(Eigen::AngleAxisd(down_rad, Eigen::Vector3d::UnitX())),
+                       {0, 0, 0}};
   for (int i = 0; i < 60; ++i) {
     ColmapPoint point;
     point.id = i;
@@ -32,10 +39,11 @@ ColmapModel MakeModel(int frames, double turn_rad, Random& random) {
     image.camera_id = 1;
     const Rigid3 truth = {Eigen::Quaterniond::Identity(), {0.1 * f, 0, 0}};
     const Eigen::AngleAxisd turn(random.Gaussian(turn_rad), Eigen::Vector3d::UnitY());
-    image.camera_from_source = Rigid3{Eigen::Quaterniond(turn), {0, 0, 0}} * truth;
+    image.camera_from_source = down * Rigid3{Eigen::Quaterniond(turn), {0, 0, 0}} * truth;
     for (auto& [id, point] : model.points) {
       const Eigen::Vector2d noise(random.Gaussian(0.5), random.Gaussian(0.5));
-      image.keypoints_px.push_back(*camera.Project(truth * point.position_in_source) + noise);
+      image.keypoints_px.push_back(*camera.Project(down * truth * point.position_in_source) +
+                                   noise);
       image.point_ids.push_back(id);
       point.track.push_back({f, static_cast<std::int32_t>(image.point_ids.size() - 1)});
     }
@@ -56,6 +64,29 @@ TEST(SharedErrorRad, IsWhatTheMeanOfTheFramesErrorsIs) {
       kTurnRad / std::sqrt(2.0) * kFrames / (kFrames - 1.0) / std::sqrt(kFrames);
   EXPECT_GT(told, 0.6 * expected);
   EXPECT_LT(told, 1.5 * expected);
+}
+
+// Up to 100 degrees off the axis. (A pinhole's plane stretches this scene's angles by a tenth.)
+TEST(SharedErrorRad, IsTheSameAtTheRimOfAFisheye) {
+  Random random = testing::TestRandom();
+  Random same = random;
+  const Camera fisheye = testing::FisheyeOf(220, kFocalPx);
+  const double pinhole = SharedErrorRad(MakeModel(30, 0.004, random));
+  const double rim = SharedErrorRad(MakeModel(30, 0.004, same, fisheye, 80.0 / 57.3));
+  EXPECT_NEAR(1.1 * rim, pinhole, 0.05 * pinhole);
+}
+
+// As far away as UTM's coordinates go.
+TEST(SharedErrorRad, IsTheSameFarFromTheOrigin) {
+  Random random = testing::TestRandom();
+  ColmapModel model = MakeModel(10, 0.004, random);
+  const double near = SharedErrorRad(model);
+  const Eigen::Vector3d away(450e3, 5.4e6, 250);
+  for (auto& [id, point] : model.points) point.position_in_source += away;
+  for (auto& [id, image] : model.images) {
+    image.camera_from_source.translation -= image.camera_from_source.rotation * away;
+  }
+  EXPECT_NEAR(SharedErrorRad(model), near, 1e-3 * near);
 }
 
 TEST(SharedErrorRad, IsNextToNothingWhereFramesAgree) {
