@@ -16,14 +16,4 @@ ViewingRange ViewingFromFrames(const Eigen::Vector3d& position_in_map,
                                std::span<const KeyFrame> frames,
                                std::span<const std::int32_t> seen_by);
 
-// Covariance of a point that is triangulated from these frames with independent noise of 1 px along
-// each image axis: (sum over frames of J^T J)^-1, J the derivative of the pixel (plane z = 1 times
-// focal length; of a wide camera the pixel itself) by the position. Where the frames do not
-// determine the position, the variance in that direction is the square of the largest distance to
-// them. A frame that has the point behind it (a fisheye: beyond what it reaches) does not count;
-// without any, all zero.
-PositionCovariance CovarianceFromFrames(const Eigen::Vector3d& position_in_map,
-                                        std::span<const KeyFrame> frames,
-                                        std::span<const std::int32_t> seen_by);
-
 }  // namespace maploc

@@ -34,6 +34,15 @@ std::optional<Vector3> NearestToRays(std::span<const PointObservation> views) {
   return matrix.ldlt().solve(right);
 }
 
+// Derivative of the point's image in the plane z = 1 by its position. REQUIRES: it is in front.
+Eigen::Matrix<double, 2, 3> NormalizedJacobian(const Rigid3& camera_from_map,
+                                               const Vector3& point_in_map) {
+  const Vector3 p = camera_from_map * point_in_map;
+  Eigen::Matrix<double, 2, 3> projection;
+  projection << 1 / p.z(), 0, -p.x() / (p.z() * p.z()), 0, 1 / p.z(), -p.y() / (p.z() * p.z());
+  return projection * camera_from_map.rotation.toRotationMatrix();
+}
+
 bool Step(std::span<const PointObservation> views, Vector3& point) {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Vector3 gradient = Vector3::Zero();
@@ -52,14 +61,6 @@ bool Step(std::span<const PointObservation> views, Vector3& point) {
 }
 
 }  // namespace
-
-Eigen::Matrix<double, 2, 3> NormalizedJacobian(const Rigid3& camera_from_map,
-                                               const Vector3& point_in_map) {
-  const Vector3 p = camera_from_map * point_in_map;
-  Eigen::Matrix<double, 2, 3> projection;
-  projection << 1 / p.z(), 0, -p.x() / (p.z() * p.z()), 0, 1 / p.z(), -p.y() / (p.z() * p.z());
-  return projection * camera_from_map.rotation.toRotationMatrix();
-}
 
 double PointErrorPx(const PointObservation& seen, const Vector3& point_in_map) {
   const Vector3 p = seen.camera_from_map * point_in_map;

@@ -20,10 +20,6 @@ struct PointObservation {
 // not in front of the camera.
 double PointErrorPx(const PointObservation& seen, const Eigen::Vector3d& point_in_map);
 
-// Derivative of the point's image in the plane z = 1 by its position. REQUIRES: it is in front.
-Eigen::Matrix<double, 2, 3> NormalizedJacobian(const Rigid3& camera_from_map,
-                                               const Eigen::Vector3d& point_in_map);
-
 // The largest angle between two of the rays to the point.
 double LargestParallax(std::span<const PointObservation> views,
                        const Eigen::Vector3d& point_in_map);

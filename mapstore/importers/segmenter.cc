@@ -189,8 +189,6 @@ Segment MakeSegment(SegmentId id, const std::vector<int>& segment_frames,
     const Eigen::Vector3d& position = track.position_in_map;
     segment.points.positions_in_map.push_back(position);
     segment.points.viewing.push_back(ViewingFromFrames(position, frames, track.frames));
-    segment.points.position_covariances.push_back(
-        CovarianceFromFrames(position, frames, track.frames));
     AppendLandmark(i, track, segment.points);
   }
   segment.lines.descriptors.kind = line_kind;

@@ -56,35 +56,19 @@ bool IsValid(const ViewingRange& range) {
          range.min_distance <= range.max_distance && std::isfinite(range.max_distance);
 }
 
-bool IsValid(const PositionCovariance& covariance) {
-  return std::all_of(covariance.begin(), covariance.end(),
-                     [](float c) { return std::isfinite(c); }) &&
-         covariance[0] >= 0 && covariance[3] >= 0 && covariance[5] >= 0;
-}
-
-// `values` are one a landmark, or none.
-template <typename Value>
-Status ValidateIfKnown(std::string_view field, std::string_view rule, std::size_t landmark_count,
-                       const std::vector<Value>& values) {
-  if (!values.empty() && values.size() != landmark_count) {
+// `viewing` is one a landmark, or none.
+Status ValidateViewing(std::string_view field, std::size_t landmark_count,
+                       const std::vector<ViewingRange>& viewing) {
+  if (!viewing.empty() && viewing.size() != landmark_count) {
     return InvalidArgument(std::string(field), "their count differs from the ids'");
   }
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!IsValid(values[i])) return InvalidArgument(At(field, i), std::string(rule));
+  for (std::size_t i = 0; i < viewing.size(); ++i) {
+    if (IsValid(viewing[i])) continue;
+    return InvalidArgument(
+        At(field, i),
+        "must be a unit direction or zero, an angle in [0, pi] and finite distances that ascend");
   }
   return Status::Ok();
-}
-
-Status ValidateViews(const Segment& segment) {
-  constexpr std::string_view kRange =
-      "must be a unit direction or zero, an angle in [0, pi] and finite distances that ascend";
-  const PointLandmarks& points = segment.points;
-  MAPLOC_RETURN_IF_ERROR(
-      ValidateIfKnown("points.viewing", kRange, points.ids.size(), points.viewing));
-  MAPLOC_RETURN_IF_ERROR(ValidateIfKnown("points.position_covariances",
-                                         "must be finite with a diagonal of at least 0",
-                                         points.ids.size(), points.position_covariances));
-  return ValidateIfKnown("lines.viewing", kRange, segment.lines.ids.size(), segment.lines.viewing);
 }
 
 }  // namespace
@@ -116,7 +100,8 @@ Status ValidateSegment(const MapInfo& map, const Segment& segment) {
       return InvalidArgument(At("lines.segments_in_map", i), "must be finite and have a length");
     }
   }
-  MAPLOC_RETURN_IF_ERROR(ValidateViews(segment));
+  MAPLOC_RETURN_IF_ERROR(ValidateViewing("points.viewing", points.ids.size(), points.viewing));
+  MAPLOC_RETURN_IF_ERROR(ValidateViewing("lines.viewing", lines.ids.size(), lines.viewing));
   MAPLOC_RETURN_IF_ERROR(ValidateDescriptors("points", map.point_descriptor, points.size(),
                                              points.descriptors, points.descriptor_landmark));
   return ValidateDescriptors("lines", map.line_descriptor, lines.size(), lines.descriptors,

@@ -36,7 +36,6 @@ struct PointLandmarks {
   std::vector<Eigen::Vector3d> positions_in_map;  // one a landmark
   // One a landmark, or empty: not known (maps made before the store's schema version 5).
   std::vector<ViewingRange> viewing;
-  std::vector<PositionCovariance> position_covariances;  // one a landmark, or empty: not known
   Descriptors descriptors;
   std::vector<std::int32_t> descriptor_landmark;  // one a descriptor row: index into ids; ascending
 

@@ -35,9 +35,8 @@ struct Matches {
 struct PointCorrespondence {
   Eigen::Vector2d normalized = Eigen::Vector2d::Zero();
   Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
-  double ratio = 1.0;                        // FeatureMatch::ratio
-  PositionCovariance position_covariance{};  // of the landmark; all zero: not known
-  ViewingRange viewing;                      // of the landmark
+  double ratio = 1.0;      // FeatureMatch::ratio
+  ViewingRange viewing{};  // of the landmark
   std::optional<PixelFrame> frame = std::nullopt;
 };
 
@@ -47,7 +46,7 @@ struct LineCorrespondence {
   LineSegment2 normalized;
   LineSegment3 segment_in_map;
   double ratio = 1.0;
-  ViewingRange viewing;                                            // of the landmark
+  ViewingRange viewing{};                                          // of the landmark
   std::optional<std::array<PixelFrame, 2>> frames = std::nullopt;  // of start and end
 };
 

@@ -9,14 +9,6 @@ void Rotate(const Eigen::Matrix3d& rotation, std::vector<ViewingRange>& viewing)
   }
 }
 
-PositionCovariance Rotated(const Eigen::Matrix3d& rotation, const PositionCovariance& upper) {
-  Eigen::Matrix3d covariance;
-  covariance << upper[0], upper[1], upper[2], upper[1], upper[3], upper[4], upper[2], upper[4],
-      upper[5];
-  const Eigen::Matrix3f turned = (rotation * covariance * rotation.transpose()).cast<float>();
-  return {turned(0, 0), turned(0, 1), turned(0, 2), turned(1, 1), turned(1, 2), turned(2, 2)};
-}
-
 }  // namespace
 
 Segment RotateSegment(const Eigen::Quaterniond& turned_from_map, Segment segment) {
@@ -28,9 +20,6 @@ Segment RotateSegment(const Eigen::Quaterniond& turned_from_map, Segment segment
   }
   Rotate(rotation, segment.points.viewing);
   Rotate(rotation, segment.lines.viewing);
-  for (PositionCovariance& covariance : segment.points.position_covariances) {
-    covariance = Rotated(rotation, covariance);
-  }
   return segment;
 }
 

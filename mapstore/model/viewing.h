@@ -1,8 +1,7 @@
-// What the frames that a map was made from say about each landmark: from where it was seen, and how
-// well they determine its place. What cannot be seen from a pose is no evidence for it.
+// What the frames that a map was made from say about each landmark: from where it was seen. What
+// cannot be seen from a pose is no evidence for it.
 #pragma once
 
-#include <array>
 #include <span>
 
 #include <Eigen/Core>
@@ -27,9 +26,5 @@ struct ViewingRange {
 // angle is pi.
 ViewingRange MakeViewingRange(const Eigen::Vector3d& position_in_map,
                               std::span<const Eigen::Vector3d> camera_centers_in_map);
-
-// Upper triangle (xx, xy, xz, yy, yz, zz) of the covariance of a point's position, map units^2, for
-// 1 px of noise in each view that it was made from. All zero: not known.
-using PositionCovariance = std::array<float, 6>;
 
 }  // namespace maploc

@@ -56,15 +56,6 @@ Blob EncodeViewing(std::span<const ViewingRange> viewing) {
   return blob;
 }
 
-Blob EncodeCovariances(std::span<const PositionCovariance> covariances) {
-  Blob blob;
-  blob.reserve(covariances.size() * sizeof(PositionCovariance));
-  for (const PositionCovariance& covariance : covariances) {
-    for (const float entry : covariance) Append(entry, blob);
-  }
-  return blob;
-}
-
 void AppendVector(const Eigen::Vector3d& vector, Blob& blob) {
   for (int axis = 0; axis < 3; ++axis) Append(vector[axis], blob);
 }
@@ -94,35 +85,20 @@ Result<std::vector<T>> Decode(std::span<const std::uint8_t> bytes, std::int64_t 
   return values;
 }
 
-// `read` makes a value of six numbers. An empty blob is no values: not known.
-template <typename Value, typename ReadValue>
-Result<std::vector<Value>> DecodeIfKnown(const Blob& blob, std::int64_t count,
-                                         std::string_view field, const ReadValue& read) {
+// An empty blob is no ranges: not known.
+Result<std::vector<ViewingRange>> DecodeViewing(const FeatureBlobs& blobs, std::string_view field) {
   constexpr std::size_t kWidth = kFloatsOfView * sizeof(float);
-  if (blob.empty()) return std::vector<Value>();
-  MAPLOC_RETURN_IF_ERROR(CheckLength(field, blob.size(), count, kWidth));
-  std::vector<Value> values(static_cast<std::size_t>(count));
-  for (std::size_t i = 0; i < values.size(); ++i) {
+  if (blobs.viewing.empty()) return std::vector<ViewingRange>();
+  MAPLOC_RETURN_IF_ERROR(CheckLength(field, blobs.viewing.size(), blobs.count, kWidth));
+  std::vector<ViewingRange> viewing(static_cast<std::size_t>(blobs.count));
+  for (std::size_t i = 0; i < viewing.size(); ++i) {
     std::array<float, kFloatsOfView> numbers;
     for (std::size_t k = 0; k < numbers.size(); ++k) {
-      numbers[k] = Read<float>(blob.data() + i * kWidth + k * sizeof(float));
+      numbers[k] = Read<float>(blobs.viewing.data() + i * kWidth + k * sizeof(float));
     }
-    values[i] = read(numbers);
+    viewing[i] = {Eigen::Vector3f(numbers.data()), numbers[3], numbers[4], numbers[5]};
   }
-  return values;
-}
-
-Result<std::vector<ViewingRange>> DecodeViewing(const FeatureBlobs& blobs, std::string_view field) {
-  return DecodeIfKnown<ViewingRange>(
-      blobs.viewing, blobs.count, field, [](const std::array<float, kFloatsOfView>& numbers) {
-        return ViewingRange{Eigen::Vector3f(numbers.data()), numbers[3], numbers[4], numbers[5]};
-      });
-}
-
-Result<std::vector<PositionCovariance>> DecodeCovariances(const FeatureBlobs& blobs,
-                                                          std::string_view field) {
-  return DecodeIfKnown<PositionCovariance>(blobs.covariances, blobs.count, field,
-                                           [](const PositionCovariance& read) { return read; });
+  return viewing;
 }
 
 Result<Descriptors> DecodeDescriptors(const FeatureBlobs& blobs, const DescriptorKind& kind,
@@ -145,8 +121,8 @@ Status CheckChecksum(const FeatureBlobs& blobs, std::string_view field) {
 
 std::uint64_t ChecksumOf(const FeatureBlobs& blobs) {
   std::uint64_t hash = HashBytes({});
-  for (const Blob* blob : {&blobs.ids, &blobs.geometry, &blobs.owners, &blobs.descriptors,
-                           &blobs.viewing, &blobs.covariances}) {
+  for (const Blob* blob :
+       {&blobs.ids, &blobs.geometry, &blobs.owners, &blobs.descriptors, &blobs.viewing}) {
     hash = HashBytes({reinterpret_cast<const char*>(blob->data()), blob->size()}, hash);
   }
   return hash;
@@ -176,7 +152,6 @@ FeatureBlobs EncodePoints(const PointLandmarks& points) {
   blobs.owners = Encode<std::int32_t>(points.descriptor_landmark);
   blobs.descriptors = points.descriptors.bytes;
   blobs.viewing = EncodeViewing(points.viewing);
-  blobs.covariances = EncodeCovariances(points.position_covariances);
   blobs.checksum = ChecksumOf(blobs);
   return blobs;
 }
@@ -208,8 +183,6 @@ Result<PointLandmarks> DecodePoints(const FeatureBlobs& blobs, const DescriptorK
       Decode<std::int32_t>(blobs.owners, blobs.descriptor_count, "points.descriptor_landmark"));
   MAPLOC_ASSIGN_OR_RETURN(points.descriptors, DecodeDescriptors(blobs, kind, "points.descriptors"));
   MAPLOC_ASSIGN_OR_RETURN(points.viewing, DecodeViewing(blobs, "points.viewing"));
-  MAPLOC_ASSIGN_OR_RETURN(points.position_covariances,
-                          DecodeCovariances(blobs, "points.position_covariances"));
   MAPLOC_RETURN_IF_ERROR(CheckChecksum(blobs, "points"));
   return points;
 }
@@ -228,7 +201,6 @@ Result<LineLandmarks> DecodeLines(const FeatureBlobs& blobs, const DescriptorKin
       Decode<std::int32_t>(blobs.owners, blobs.descriptor_count, "lines.descriptor_landmark"));
   MAPLOC_ASSIGN_OR_RETURN(lines.descriptors, DecodeDescriptors(blobs, kind, "lines.descriptors"));
   MAPLOC_ASSIGN_OR_RETURN(lines.viewing, DecodeViewing(blobs, "lines.viewing"));
-  if (!blobs.covariances.empty()) return Damaged("lines.covariances", "lines have none");
   MAPLOC_RETURN_IF_ERROR(CheckChecksum(blobs, "lines"));
   return lines;
 }

@@ -21,16 +21,16 @@ struct FeatureBlobs {
   std::int64_t count = 0;             // landmarks
   std::int64_t descriptor_count = 0;  // rows
   Blob ids;                           // int64 a landmark
-  Blob geometry;               // float64: a point's x, y, z; a line's start x, y, z, end x, y, z
-  Blob owners;                 // int32 a descriptor row: index of its landmark
-  Blob descriptors;            // rows of the map's kind
-  Blob viewing;                // float32 direction x, y, z, angle, min and max distance a landmark
-  Blob covariances;            // float32 xx, xy, xz, yy, yz, zz a point; both empty: not known
+  Blob geometry;     // float64: a point's x, y, z; a line's start x, y, z, end x, y, z
+  Blob owners;       // int32 a descriptor row: index of its landmark
+  Blob descriptors;  // rows of the map's kind
+  // float32 direction x, y, z, angle, min and max distance a landmark; empty: not known
+  Blob viewing;
   std::uint64_t checksum = 0;  // ChecksumOf
 };
 
-// FNV-1a of the six blobs, one after the other. Empty ones change nothing, so that what was written
-// before there were `viewing` and `covariances` still fits.
+// FNV-1a of the five blobs, one after the other. An empty one changes nothing, so that what was
+// written before there was `viewing` still fits.
 std::uint64_t ChecksumOf(const FeatureBlobs& blobs);
 
 FeatureBlobs EncodePoints(const PointLandmarks& points);

@@ -285,7 +285,13 @@ DROP TABLE observations;
 ALTER TABLE new_observations RENAME TO observations;
 )sql";
 
-constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4, kVersion5};
+// Nothing used the covariances. (TakeCovariancesOffChecksums comes before.)
+constexpr std::string_view kVersion6 = R"sql(
+ALTER TABLE segment_features DROP COLUMN covariances;
+)sql";
+
+constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3,
+                                    kVersion4, kVersion5, kVersion6};
 
 }  // namespace
 

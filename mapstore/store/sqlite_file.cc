@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "mapstore/store/schema.h"
+#include "mapstore/store/sqlite_migration.h"
 #include "mapstore/store/sqlite_states.h"
 #include "mapstore/store/sqlite_store.h"
 
@@ -90,6 +91,9 @@ Status Migrate(SqliteDatabase& database) {
   if (version > StoreSchemaVersion()) return TooNew(database.path(), version);
   if (version == StoreSchemaVersion()) return Status::Ok();
   for (std::int64_t i = version; i < StoreSchemaVersion(); ++i) {
+    if (i == kVersionWithCovariances) {
+      MAPLOC_RETURN_IF_ERROR(TakeCovariancesOffChecksums(database));
+    }
     MAPLOC_RETURN_IF_ERROR(
         database.Execute(std::string(StoreMigrations()[static_cast<std::size_t>(i)])));
   }

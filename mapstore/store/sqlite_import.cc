@@ -21,12 +21,11 @@ Status InsertFeatures(SqliteDatabase& database, std::int64_t map, SegmentId id, 
   SqliteStatement insert(database,
                          "INSERT INTO segment_features (map, segment, type, landmark_count, "
                          "descriptor_count, checksum, ids, geometry, owners, descriptors, "
-                         "viewing, covariances) VALUES "
-                         "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)");
+                         "viewing) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)");
   return insert
       .Bind(map, id, type, blobs.count, blobs.descriptor_count,
             static_cast<std::int64_t>(blobs.checksum), blobs.ids, blobs.geometry, blobs.owners,
-            blobs.descriptors, blobs.viewing, blobs.covariances)
+            blobs.descriptors, blobs.viewing)
       .Run();
 }
 

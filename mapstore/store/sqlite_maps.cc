@@ -55,7 +55,7 @@ Result<FeatureBlobs> ReadFeatures(SqliteDatabase& database, std::int64_t map, Se
   SqliteStatement statement(
       database,
       "SELECT landmark_count, descriptor_count, checksum, ids, geometry, owners, "
-      "descriptors, viewing, covariances FROM segment_features WHERE map = ?1 AND segment = ?2 AND "
+      "descriptors, viewing FROM segment_features WHERE map = ?1 AND segment = ?2 AND "
       "type = ?3");
   MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(map, id, type).Step());
   if (!found) {
@@ -71,7 +71,6 @@ Result<FeatureBlobs> ReadFeatures(SqliteDatabase& database, std::int64_t map, Se
   blobs.owners = statement.Blob(5);
   blobs.descriptors = statement.Blob(6);
   blobs.viewing = statement.Blob(7);
-  blobs.covariances = statement.Blob(8);
   return blobs;
 }
 

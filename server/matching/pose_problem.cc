@@ -7,10 +7,9 @@
 namespace maploc {
 namespace {
 
-// What is known of a landmark; where the map does not know it, the value that says so.
-template <typename Value>
-Value KnownOrDefault(const std::vector<Value>& values, std::int32_t landmark) {
-  return values.empty() ? Value{} : values[landmark];
+// From where a landmark was seen; not known where the map does not know it.
+ViewingRange ViewingOf(const std::vector<ViewingRange>& viewing, std::int32_t landmark) {
+  return viewing.empty() ? ViewingRange{} : viewing[landmark];
 }
 
 // Where a feature is seen, as PointCorrespondence has it.
@@ -47,8 +46,7 @@ void AddPoint(const FeatureMatch& match, const Eye& eye, const View& view, const
   const PointLandmarks& points = segment.points;
   matched.problem.points.push_back({seen->place, points.positions_in_map[match.landmark],
                                     static_cast<double>(match.ratio),
-                                    KnownOrDefault(points.position_covariances, match.landmark),
-                                    KnownOrDefault(points.viewing, match.landmark), seen->frame});
+                                    ViewingOf(points.viewing, match.landmark), seen->frame});
 }
 
 void AddLine(const FeatureMatch& match, const Eye& eye, const View& view, const Segment& segment,
@@ -59,10 +57,9 @@ void AddLine(const FeatureMatch& match, const Eye& eye, const View& view, const 
   matched.matches.lines.push_back(match);
   std::optional<std::array<PixelFrame, 2>> frames;
   if (start->frame) frames = {{*start->frame, *end->frame}};
-  matched.problem.lines.push_back({LineSegment2{start->place, end->place},
-                                   segment.lines.segments_in_map[match.landmark],
-                                   static_cast<double>(match.ratio),
-                                   KnownOrDefault(segment.lines.viewing, match.landmark), frames});
+  matched.problem.lines.push_back(
+      {LineSegment2{start->place, end->place}, segment.lines.segments_in_map[match.landmark],
+       static_cast<double>(match.ratio), ViewingOf(segment.lines.viewing, match.landmark), frames});
 }
 
 }  // namespace

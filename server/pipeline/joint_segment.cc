@@ -1,7 +1,6 @@
 #include "server/pipeline/joint_segment.h"
 
 #include <algorithm>
-#include <type_traits>
 #include <utility>
 
 #include "mapstore/geometry/line.h"
@@ -53,16 +52,16 @@ void AppendRows(const Landmarks& part, int landmark, Landmarks& joint) {
   }
 }
 
-// What is kept of landmarks where it is known: where one part does not know it, nobody does.
-template <typename Landmarks, typename Value>
-void JoinIfKnown(const std::vector<const Landmarks*>& parts, const std::vector<Source>& sources,
-                 std::vector<Value> Landmarks::*values, Landmarks& joint) {
-  const bool known = std::all_of(parts.begin(), parts.end(), [&](const Landmarks* part) {
-    return (part->*values).size() == part->ids.size();
+// From where landmarks were seen: where one part does not know it, nobody does.
+template <typename Landmarks>
+void JoinViewing(const std::vector<const Landmarks*>& parts, const std::vector<Source>& sources,
+                 Landmarks& joint) {
+  const bool known = std::all_of(parts.begin(), parts.end(), [](const Landmarks* part) {
+    return part->viewing.size() == part->ids.size();
   });
   if (!known) return;
   for (const Source& source : sources) {
-    (joint.*values).push_back((parts[source.segment]->*values)[source.landmark]);
+    joint.viewing.push_back(parts[source.segment]->viewing[source.landmark]);
   }
 }
 
@@ -79,10 +78,7 @@ Landmarks Join(const std::vector<const Landmarks*>& parts) {
     Geometry(joint).push_back(Geometry(part)[source.landmark]);
     AppendRows(part, source.landmark, joint);
   }
-  JoinIfKnown(parts, sources, &Landmarks::viewing, joint);
-  if constexpr (std::is_same_v<Landmarks, PointLandmarks>) {
-    JoinIfKnown(parts, sources, &PointLandmarks::position_covariances, joint);
-  }
+  JoinViewing(parts, sources, joint);
   return joint;
 }
 

@@ -47,10 +47,9 @@ void AddSign(const MovedSignsOptions& options, Random& random, PoseProblem* prob
     const Eigen::Vector2d spot = InUnitDisc(random);
     const double x = random.Gaussian(kNoisePx);
     const double y = random.Gaussian(kNoisePx);
-    PointCorrespondence point;
-    point.normalized = (seen + options.radius_px * spot + Eigen::Vector2d(x, y)) / kFocalPx;
-    point.position_in_map = known - kRadius * Eigen::Vector3d(0, spot.x(), spot.y());
-    problem->points.push_back(point);
+    problem->points.push_back(
+        {.normalized = (seen + options.radius_px * spot + Eigen::Vector2d(x, y)) / kFocalPx,
+         .position_in_map = known - kRadius * Eigen::Vector3d(0, spot.x(), spot.y())});
   }
 }
 
@@ -64,10 +63,8 @@ PoseProblem MakeMovedSigns(const MovedSignsOptions& options, Random& random) {
       NoisyGravityInCamera(LevelCamera(), options.gravity_sigma_rad, random);
   for (int sign = 0; sign < options.signs; ++sign) AddSign(options, random, &problem);
   for (int i = 0; i < options.others; ++i) {
-    PointCorrespondence point;
-    point.normalized = PixelWithin(320, 240, random) / kFocalPx;
-    point.position_in_map = PlaceInMap(random);
-    problem.points.push_back(point);
+    problem.points.push_back({.normalized = PixelWithin(320, 240, random) / kFocalPx,
+                              .position_in_map = PlaceInMap(random)});
   }
   return problem;
 }

@@ -51,10 +51,7 @@ void AddIfSeen(const Rigid3& camera_from_map, const Eigen::Vector3d& seen,
   const double y = random.Gaussian(kNoisePx);
   const Eigen::Vector2d pixel = kFocalPx * in_camera.hnormalized() + Eigen::Vector2d(x, y);
   if (std::abs(pixel.x()) > kHalfWidthPx || std::abs(pixel.y()) > kHalfHeightPx) return;
-  PointCorrespondence point;
-  point.normalized = pixel / kFocalPx;
-  point.position_in_map = known;
-  problem->points.push_back(point);
+  problem->points.push_back({.normalized = pixel / kFocalPx, .position_in_map = known});
 }
 
 }  // namespace

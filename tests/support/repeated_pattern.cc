@@ -50,10 +50,8 @@ class Facade {
     if (random_.Uniform() < options_.line_share) {
       AddLine(Spot(seen, across, up), Spot(known, across, up), problem);
     } else {
-      PointCorrespondence point;
-      point.normalized = See(Spot(seen, across, up));
-      point.position_in_map = Spot(known, across, up);
-      problem->points.push_back(point);
+      problem->points.push_back(
+          {.normalized = See(Spot(seen, across, up)), .position_in_map = Spot(known, across, up)});
     }
   }
 
@@ -61,11 +59,8 @@ class Facade {
   void AddLine(const Eigen::Vector3d& seen, const Eigen::Vector3d& known, PoseProblem* problem) {
     const Eigen::Vector3d along =
         random_.Below(2) == 0 ? Eigen::Vector3d(0, kEdge, 0) : Eigen::Vector3d(0, 0, kEdge);
-    LineCorrespondence line;
-    line.normalized = {See(seen), See(seen + along)};
-    line.segment_in_map.start = known;
-    line.segment_in_map.end = known + along;
-    problem->lines.push_back(line);
+    problem->lines.push_back(
+        {.normalized = {See(seen), See(seen + along)}, .segment_in_map = {known, known + along}});
   }
   Window RandomWindow() {
     const int column = static_cast<int>(random_.Below(columns_));

@@ -60,12 +60,10 @@ TEST_P(MapContract, FromWhereLandmarksWereSeenComesBackWhereItIsKnown) {
 
   const auto unknown = store_->LoadSegment(writer->key(), 0).value();
   EXPECT_THAT(unknown->points.viewing, IsEmpty());
-  EXPECT_THAT(unknown->points.position_covariances, IsEmpty());
   EXPECT_THAT(unknown->lines.viewing, IsEmpty());
   const auto known = store_->LoadSegment(writer->key(), 1).value();
   const Segment want = SeenYardSegment(1);
   EXPECT_EQ(known->points.viewing, want.points.viewing);
-  EXPECT_EQ(known->points.position_covariances, want.points.position_covariances);
   EXPECT_EQ(known->lines.viewing, want.lines.viewing);
 }
 

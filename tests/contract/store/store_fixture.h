@@ -62,10 +62,7 @@ inline Segment SeenYardSegment(SegmentId id) {
     const float distance = 0.1f * static_cast<float>(i);
     return ViewingRange{{0.6f, 0, -0.8f}, 0.01f * static_cast<float>(i), distance, 2 * distance};
   };
-  for (int i = 0; i < segment.points.size(); ++i) {
-    segment.points.viewing.push_back(range(i));
-    segment.points.position_covariances.push_back({0.1f * static_cast<float>(i), -1, 2, 3, 4, 5});
-  }
+  for (int i = 0; i < segment.points.size(); ++i) segment.points.viewing.push_back(range(i));
   for (int i = 0; i < segment.lines.size(); ++i) segment.lines.viewing.push_back(range(i));
   return segment;
 }

@@ -92,7 +92,6 @@ std::shared_ptr<const Segment> MakeSegment(const ColmapModel& model, const Featu
     segment->points.positions_in_map.push_back(position);
     const std::vector<std::int32_t> seen_by = FramesThatSaw(point, frames);
     segment->points.viewing.push_back(ViewingFromFrames(position, frames, seen_by));
-    segment->points.position_covariances.push_back(CovarianceFromFrames(position, frames, seen_by));
     for (const ColmapPoint::Observation& seen : point.track) {
       const Descriptors& rows = features.at(model.images.at(seen.image_id).name).points.descriptors;
       const auto row = rows.row(seen.keypoint);

@@ -91,7 +91,6 @@ TEST(MakeSegmentTest, HoldsWhatItsFramesSawUnderTheSameIds) {
   ASSERT_EQ(segment.points.viewing.size(), 2u);
   EXPECT_FLOAT_EQ(segment.points.viewing[0].max_distance, std::sqrt(2.0f));  // also from frame 0
   EXPECT_FLOAT_EQ(segment.points.viewing[1].min_distance, std::sqrt(2.0f));
-  EXPECT_EQ(segment.points.position_covariances.size(), 2u);
   MapInfo info;
   info.point_descriptor = kind;
   EXPECT_TRUE(ValidateSegment(info, segment).ok());

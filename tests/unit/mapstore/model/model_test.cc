@@ -103,7 +103,6 @@ TEST_F(SegmentTest, NamesTheFieldThatIsWrong) {
 
 TEST_F(SegmentTest, WhereLandmarksWereSeenMayBeKnownOrNot) {
   segment_.points.viewing = {ViewingRange{}, {{0, 0.6f, 0.8f}, 0.5f, 1, 2}};
-  segment_.points.position_covariances = {PositionCovariance{}, {1, -1, 0, 2, 0, 3}};
   segment_.lines.viewing = {{{1, 0, 0}, 0, 0, 0}, ViewingRange{}};
   EXPECT_TRUE(ValidateSegment(map_, segment_).ok());
 }
@@ -127,11 +126,6 @@ TEST_F(SegmentTest, NamesTheViewThatIsWrong) {
   segment_.points.viewing.clear();
   segment_.lines.viewing = {{{0, 0, 2}, 0, 0, 0}, ViewingRange{}};
   ExpectRefused("lines.viewing[0]");
-  segment_.lines.viewing.clear();
-  segment_.points.position_covariances = {PositionCovariance{}, {1, 0, 0, -1, 0, 1}};
-  ExpectRefused("points.position_covariances[1]");
-  segment_.points.position_covariances = {{1, kNan, 0, 1, 0, 1}, PositionCovariance{}};
-  ExpectRefused("points.position_covariances[0]");
 }
 
 TEST(StrategyTest, VerticalLinesAreDrawnWhereTheyHelp) {

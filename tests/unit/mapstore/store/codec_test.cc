@@ -44,11 +44,9 @@ TEST(Codec, BringsBackFromWhereLandmarksWereSeen) {
   const Segment segment = SeenYardSegment(1);
   const FeatureBlobs points = EncodePoints(segment.points);
   EXPECT_EQ(points.viewing.size(), 120u * 24u);
-  EXPECT_EQ(points.covariances.size(), 120u * 24u);
   const auto decoded = DecodePoints(points, segment.points.descriptors.kind);
   ASSERT_TRUE(decoded.ok()) << decoded.status().ToString();
   EXPECT_EQ(decoded->viewing, segment.points.viewing);
-  EXPECT_EQ(decoded->position_covariances, segment.points.position_covariances);
   const auto lines = DecodeLines(EncodeLines(segment.lines), segment.lines.descriptors.kind);
   ASSERT_TRUE(lines.ok()) << lines.status().ToString();
   EXPECT_EQ(lines->viewing, segment.lines.viewing);
@@ -58,7 +56,6 @@ TEST(Codec, BringsBackFromWhereLandmarksWereSeen) {
 TEST(Codec, NothingKnownChangesNoChecksum) {
   const FeatureBlobs blobs = EncodePoints(YardSegment(1).points);
   EXPECT_TRUE(blobs.viewing.empty());
-  EXPECT_TRUE(blobs.covariances.empty());
   std::uint64_t hash = HashBytes({});
   for (const Blob* blob : {&blobs.ids, &blobs.geometry, &blobs.owners, &blobs.descriptors}) {
     hash = HashBytes({reinterpret_cast<const char*>(blob->data()), blob->size()}, hash);
@@ -81,7 +78,6 @@ TEST(Codec, NamesTheBlobThatDoesNotFit) {
   expect_named(&FeatureBlobs::owners, "points.descriptor_landmark");
   expect_named(&FeatureBlobs::descriptors, "points.descriptors");
   expect_named(&FeatureBlobs::viewing, "points.viewing");
-  expect_named(&FeatureBlobs::covariances, "points.position_covariances");
   FeatureBlobs negative = good;
   negative.count = -1;
   EXPECT_EQ(DecodePoints(negative, kind).status().code(), StatusCode::kDataLoss);
@@ -89,16 +85,11 @@ TEST(Codec, NamesTheBlobThatDoesNotFit) {
   flipped.geometry[5] ^= 1;
   EXPECT_THAT(DecodePoints(flipped, kind).status().message(), HasSubstr("checksum"));
   flipped = good;
-  flipped.covariances[5] ^= 1;
+  flipped.viewing[5] ^= 1;
   EXPECT_THAT(DecodePoints(flipped, kind).status().message(), HasSubstr("checksum"));
   FeatureBlobs gone = good;
   gone.viewing.clear();
   EXPECT_THAT(DecodePoints(gone, kind).status().message(), HasSubstr("checksum"));
-  const Segment segment = SeenYardSegment(0);
-  FeatureBlobs lines = EncodeLines(segment.lines);
-  lines.covariances.push_back(0);
-  EXPECT_THAT(DecodeLines(lines, segment.lines.descriptors.kind).status().message(),
-              HasSubstr("lines.covariances"));
 }
 
 }  // namespace

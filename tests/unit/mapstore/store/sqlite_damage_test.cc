@@ -33,12 +33,9 @@ TEST_F(SqliteDamageTest, AViewThatCannotBeIsNamedAndNotServed) {
   {
     auto database = SqliteDatabase::Open(path_, SqliteAccess::kWrite, 1000);
     SqliteStatement harm(*database,
-                         "UPDATE segment_features SET viewing = ?1, covariances = ?2, "
-                         "checksum = ?3 WHERE segment = 1 AND type = 1");
-    ASSERT_TRUE(
-        harm.Bind(blobs.viewing, blobs.covariances, static_cast<std::int64_t>(blobs.checksum))
-            .Run()
-            .ok());
+                         "UPDATE segment_features SET viewing = ?1, checksum = ?2 "
+                         "WHERE segment = 1 AND type = 1");
+    ASSERT_TRUE(harm.Bind(blobs.viewing, static_cast<std::int64_t>(blobs.checksum)).Run().ok());
   }
   const Status status = Open()->LoadSegment(key, 1).status();
   EXPECT_EQ(status.code(), StatusCode::kDataLoss);

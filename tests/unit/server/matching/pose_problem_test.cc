@@ -119,18 +119,14 @@ TEST(BuildPoseProblemTest, TellsFromWhereLandmarksWereSeen) {
       BuildPoseProblem(matches, scene.view, scene.segment, std::nullopt).problem;
   EXPECT_FALSE(unknown.points[0].viewing.IsKnown());
   EXPECT_FALSE(unknown.lines[0].viewing.IsKnown());
-  EXPECT_EQ(unknown.points[0].position_covariance, PositionCovariance{});
 
   scene.segment.points.viewing.resize(Scene::kCount);
   scene.segment.points.viewing[5] = {{0, 0, 1}, 0.25f, 1, 2};
-  scene.segment.points.position_covariances.resize(Scene::kCount);
-  scene.segment.points.position_covariances[5] = {1, 2, 3, 4, 5, 6};
   scene.segment.lines.viewing.resize(Scene::kCount);
   scene.segment.lines.viewing[7] = {{0, 1, 0}, 0.5f, 3, 4};
   const PoseProblem known =
       BuildPoseProblem(matches, scene.view, scene.segment, std::nullopt).problem;
   EXPECT_EQ(known.points[0].viewing, scene.segment.points.viewing[5]);
-  EXPECT_EQ(known.points[0].position_covariance, scene.segment.points.position_covariances[5]);
   EXPECT_EQ(known.lines[0].viewing, scene.segment.lines.viewing[7]);
 }
 

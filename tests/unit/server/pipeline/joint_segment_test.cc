@@ -62,7 +62,6 @@ std::shared_ptr<Segment> PointsSeenFrom(std::vector<LandmarkId> ids, float dista
   auto segment = std::make_shared<Segment>();
   segment->points.positions_in_map.resize(ids.size());
   segment->points.viewing.assign(ids.size(), {{0, 0, 1}, 0.5f, distance, distance});
-  segment->points.position_covariances.assign(ids.size(), {distance, 0, 0, 1, 0, 1});
   segment->points.ids = std::move(ids);
   return segment;
 }
@@ -74,13 +73,10 @@ TEST(JoinSegmentsTest, TellsFromWhereLandmarksWereSeenWhereAllPartsKnowIt) {
   ASSERT_EQ(joint.points.viewing.size(), 3u);
   EXPECT_EQ(joint.points.viewing[1], left->points.viewing[1]) << "the first one that holds it";
   EXPECT_EQ(joint.points.viewing[2], right->points.viewing[1]);
-  ASSERT_EQ(joint.points.position_covariances.size(), 3u);
-  EXPECT_EQ(joint.points.position_covariances[2], right->points.position_covariances[1]);
 
   right->points.viewing.clear();
   const Segment half_known = JoinSegments({left, right});
   EXPECT_TRUE(half_known.points.viewing.empty());
-  EXPECT_EQ(half_known.points.position_covariances.size(), 3u);
 }
 
 TEST(TellOfOnePartTest, KeepsWhatThePartWithMostInliersHolds) {

@@ -46,9 +46,7 @@ TEST(Reprojection, JacobiansAgreeWithDifferences) {
 
 // Camera at the origin of the map, same axes.
 TEST(Reprojection, PointErrorIsInThePlaneAtDepthOne) {
-  PointCorrespondence point;
-  point.position_in_map = {2, -1, 4};
-  point.normalized = {0.4, -0.2};
+  const PointCorrespondence point{.normalized = {0.4, -0.2}, .position_in_map = {2, -1, 4}};
   Eigen::Vector2d error;
   ASSERT_TRUE(PointReprojection(PoseMatrix(), point, &error, nullptr));
   EXPECT_NEAR(error.x(), 0.1, 1e-15);
@@ -58,17 +56,16 @@ TEST(Reprojection, PointErrorIsInThePlaneAtDepthOne) {
 TEST(Reprojection, BehindTheCameraNothingAgrees) {
   PointCorrespondence point;
   point.position_in_map = {0, 0, -4};  // projects onto the axis all the same
-  LineCorrespondence line;
-  line.segment_in_map = {{-1, 0, -4}, {1, 0, -4}};
-  line.normalized = {{-0.25, 0}, {0.25, 0}};
+  const LineCorrespondence line{.normalized = {{-0.25, 0}, {0.25, 0}},
+                                .segment_in_map = {{-1, 0, -4}, {1, 0, -4}}};
   EXPECT_FALSE(IsPointInlier(PoseMatrix(), point, 0.1));
   EXPECT_FALSE(IsLineInlier(PoseMatrix(), line, 0.1, 0.01));
 }
 
 TEST(Reprojection, LineErrorIsTheDistanceOfTheSeenEndPoints) {
-  LineCorrespondence line;
-  line.segment_in_map = {{-1, 1, 2}, {3, 1, 2}};  // projects to y = 0.5
-  line.normalized = {{0.1, 0.53}, {0.2, 0.49}};   // elsewhere along it
+  const LineCorrespondence line{
+      .normalized = {{0.1, 0.53}, {0.2, 0.49}},    // elsewhere along the segment's image,
+      .segment_in_map = {{-1, 1, 2}, {3, 1, 2}}};  // which is at y = 0.5
   Eigen::Vector2d error;
   ASSERT_TRUE(LineReprojection(PoseMatrix(), line, &error, nullptr));
   EXPECT_NEAR(std::abs(error(0)), 0.03, 1e-15);
@@ -78,17 +75,16 @@ TEST(Reprojection, LineErrorIsTheDistanceOfTheSeenEndPoints) {
 }
 
 TEST(Reprojection, ALineThatIsADotSaysNothing) {
-  LineCorrespondence line;
-  line.segment_in_map = {{-1, 0, 1000}, {1, 0, 1000}};
-  line.normalized = {{-0.1, 0}, {0.1, 0}};
+  const LineCorrespondence line{.normalized = {{-0.1, 0}, {0.1, 0}},
+                                .segment_in_map = {{-1, 0, 1000}, {1, 0, 1000}}};
   EXPECT_TRUE(IsLineInlier(PoseMatrix(), line, 0.01, 0.001));
   EXPECT_FALSE(IsLineInlier(PoseMatrix(), line, 0.01, 0.01));
 }
 
 TEST(Reprojection, ALineThatCrossesTheCamerasPlaneIsLong) {
-  LineCorrespondence line;
-  line.segment_in_map = {{1, 1, -3}, {1, 1, 5}};  // beside the camera, along its axis
-  line.normalized = {{0.2, 0.2}, {0.5, 0.5}};
+  const LineCorrespondence line{
+      .normalized = {{0.2, 0.2}, {0.5, 0.5}},
+      .segment_in_map = {{1, 1, -3}, {1, 1, 5}}};  // beside the camera, along its axis
   EXPECT_TRUE(std::isinf(ProjectedLength(PoseMatrix(), line)));
   EXPECT_TRUE(IsLineInlier(PoseMatrix(), line, 0.01, 0.01));
 }

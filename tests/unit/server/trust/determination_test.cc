@@ -34,9 +34,8 @@ class Scene {
   }
   void AddInlier(double x, double y, double depth) {
     const Eigen::Vector3d in_camera = depth * Eigen::Vector3d(x, y, 1);
-    PointCorrespondence& point = problem_.points.emplace_back();
-    point.normalized = {x, y};
-    point.position_in_map = pose_.camera_from_map.Inverse() * in_camera;
+    problem_.points.push_back(
+        {.normalized = {x, y}, .position_in_map = pose_.camera_from_map.Inverse() * in_camera});
     pose_.point_inliers.push_back(1);
   }
   // Uniform over a square of the plane z = 1.
@@ -129,9 +128,8 @@ TEST(IsDetermined, LinesOfManyDirectionsHelp) {
       return Eigen::Vector3d(random.Uniform(-0.5, 0.5) * z, random.Uniform(-0.5, 0.5) * z, z);
     };
     const Eigen::Vector3d a = end(), b = end();
-    LineCorrespondence& line = scene.problem().lines.emplace_back();
-    line.normalized = {a.hnormalized(), b.hnormalized()};
-    line.segment_in_map = {map_from_camera * a, map_from_camera * b};
+    scene.problem().lines.push_back({.normalized = {a.hnormalized(), b.hnormalized()},
+                                     .segment_in_map = {map_from_camera * a, map_from_camera * b}});
     scene.pose().line_inliers.push_back(1);
   }
   EXPECT_TRUE(scene.IsDetermined());
