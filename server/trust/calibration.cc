@@ -58,8 +58,17 @@ double Distance2(const Found& found) {
   return found.lens.dot(spread.ldlt().solve(found.lens));
 }
 
+double FocalSigma(const Found& found) { return std::sqrt(found.covariance(0, 0)); }
+
 double FocalDistance2(const Found& found, double tolerance) {
   return found.lens(0) * found.lens(0) / (found.covariance(0, 0) + tolerance * tolerance);
+}
+
+// Where the matches leave the focal length open (a sheet seen through a narrow lens), the fit may
+// run away to any.
+bool IsFarOff(const Found& focal) {
+  return FocalSigma(focal) <= kMostFocalSigma &&
+         FocalDistance2(focal, kBentFocal) > kMaxBentDistance2;
 }
 
 // Nothing is found where there is too little to tell.
@@ -109,7 +118,7 @@ CalibrationCheck CheckCalibration(const PoseProblem& problem, const RefinedPose&
   Found any;
   if (auto focal = FitLens(fit, kFocalAlone, support)) {
     focal->distance2 = FocalDistance2(*focal, kExact(0));
-    const double sigma = std::sqrt(focal->covariance(0, 0));
+    const double sigma = FocalSigma(*focal);
     if (sigma <= kMostFocalSigma) check.focal_scale = FocalScale{std::exp(focal->lens(0)), sigma};
     const auto found =
         pose.InlierCount() < kLeastForAnyLens ? std::nullopt : FitLens(fit, kAnyLens, support);
@@ -117,8 +126,7 @@ CalibrationCheck CheckCalibration(const PoseProblem& problem, const RefinedPose&
       any = *found;
       any.distance2 = Distance2(any);
     }
-    check.consistent = !focal->Contradicts() && !any.Contradicts() &&
-                       FocalDistance2(*focal, kBentFocal) <= kMaxBentDistance2;
+    check.consistent = !focal->Contradicts() && !any.Contradicts() && !IsFarOff(*focal);
   }
   check.covariance = CovarianceOfMapFromCamera(
       as_sent, response.of_pose * Uncertainty(response, any) * response.of_pose.transpose());
