@@ -14,8 +14,9 @@
 
 #include "mapstore/base/status.h"
 #include "mapstore/store/map_store.h"
+#include "mapstore/store/serve_lock.h"
 #include "server/app/options.h"
-#include "server/app/serve_lock.h"
+
 #include "server/service/services.h"
 #include "server/sessions/map_cache.h"
 #include "server/sessions/session_manager.h"
