@@ -11,14 +11,16 @@ namespace {
 
 std::string LockPath(const std::string& store_path) { return store_path + "-imports"; }
 
-// The byte at `import_id`. An open file description's lock, not a process's: two imports in one
+constexpr std::int64_t kToTheEnd = 0;
+
+// `count` bytes from `first`. An open file description's lock, not a process's: two imports in one
 // process see each other, and closing some other descriptor of the file does not let it go.
-struct flock ByteLock(std::int64_t import_id) {
+struct flock LockOf(std::int64_t first, std::int64_t count) {
   struct flock lock {};
   lock.l_type = F_WRLCK;
   lock.l_whence = SEEK_SET;
-  lock.l_start = import_id;
-  lock.l_len = 1;
+  lock.l_start = first;
+  lock.l_len = count;
   return lock;
 }
 
@@ -33,19 +35,28 @@ Result<ImportLock> ImportLock::Acquire(const std::string& store_path, std::int64
   const std::string path = LockPath(store_path);
   ImportLock lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
   if (lock.file_ < 0) return Failed(path);
-  struct flock byte = ByteLock(import_id);
+  struct flock byte = LockOf(import_id, 1);
   if (fcntl(lock.file_, F_OFD_SETLK, &byte) != 0) return Failed(path);
   return lock;
 }
 
 Result<bool> ImportLock::IsHeld(const std::string& store_path, std::int64_t import_id) {
+  return AreHeld(store_path, import_id, 1);
+}
+
+Result<bool> ImportLock::IsAnyHeld(const std::string& store_path) {
+  return AreHeld(store_path, 0, kToTheEnd);
+}
+
+Result<bool> ImportLock::AreHeld(const std::string& store_path, std::int64_t first,
+                                 std::int64_t count) {
   const std::string path = LockPath(store_path);
   const ImportLock file(open(path.c_str(), O_RDWR | O_CLOEXEC));
   if (file.file_ < 0) {
     if (errno == ENOENT) return false;
     return Failed(path);
   }
-  struct flock byte = ByteLock(import_id);
+  struct flock byte = LockOf(first, count);
   if (fcntl(file.file_, F_OFD_GETLK, &byte) != 0) return Failed(path);
   return byte.l_type != F_UNLCK;
 }

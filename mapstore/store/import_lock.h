@@ -18,12 +18,16 @@ class ImportLock {
   static Result<ImportLock> Acquire(const std::string& store_path, std::int64_t import_id);
   // Whether anybody, this process included, holds it.
   static Result<bool> IsHeld(const std::string& store_path, std::int64_t import_id);
+  // Whether any import holds one.
+  static Result<bool> IsAnyHeld(const std::string& store_path);
 
   ImportLock(ImportLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
   ImportLock& operator=(ImportLock&&) = delete;
   ~ImportLock();
 
  private:
+  static Result<bool> AreHeld(const std::string& store_path, std::int64_t first,
+                              std::int64_t count);
   explicit ImportLock(int file) : file_(file) {}
 
   int file_;

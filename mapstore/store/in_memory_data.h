@@ -70,6 +70,7 @@ class InMemoryStore : public MapStore {
   Result<std::vector<DecisionRecord>> ListDecisions(const MapKey& key, SegmentId id) const override;
   Status PinStrategy(const MapKey& key, SegmentId id, std::optional<Strategy> pinned) override;
   Result<std::int64_t> ChangeCounter() const override;
+  Status CheckIdentity() const override { return Status::Ok(); }
   Status Verify() const override;
 
   // For the writer.

@@ -137,6 +137,9 @@ class MapStore {
   // Rises with every committed change that a cache of maps or strategies must see, also by other
   // processes. Cheap.
   virtual Result<std::int64_t> ChangeCounter() const = 0;
+  // UNAVAILABLE (STORE_REPLACED) where what is kept is no longer what was opened: somebody replaced
+  // or deleted it. Every read and write says the same from then on. Cheap.
+  virtual Status CheckIdentity() const = 0;
   // Reads everything and checks every invariant; names what is broken.
   virtual Status Verify() const = 0;
 };

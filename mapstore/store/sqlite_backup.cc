@@ -1,3 +1,5 @@
+#include "mapstore/store/sqlite_backup.h"
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -9,6 +11,7 @@
 
 #include "mapstore/store/sqlite_database.h"
 #include "mapstore/store/sqlite_file.h"
+#include "mapstore/store/sqlite_stamp.h"
 #include "mapstore/store/sqlite_store.h"
 
 namespace maploc {
@@ -31,23 +34,34 @@ Status NotWritten(const std::string& to) {
 
 // A link fails where the name exists by now; a rename would replace what is there.
 Status Publish(const std::string& partial, const std::string& to) {
-  if (link(partial.c_str(), to.c_str()) != 0) return NotWritten(to);
-  std::filesystem::path folder = std::filesystem::path(to).parent_path();
-  if (folder.empty()) folder = ".";
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return NotWritten(to);
-  const int synced = fsync(descriptor);
-  close(descriptor);
-  return synced == 0 ? Status::Ok() : NotWritten(to);
-}
-
-Status CopyToNewFile(SqliteDatabase& source, const std::string& partial, int busy_timeout_ms) {
-  MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase target,
-                          SqliteDatabase::Open(partial, SqliteAccess::kCreate, busy_timeout_ms));
-  return CopyPages(source, target);
+  if (link(partial.c_str(), to.c_str()) != 0 || !SyncFolderOf(to)) return NotWritten(to);
+  return Status::Ok();
 }
 
 }  // namespace
+
+Status CopyStore(SqliteDatabase& source, const std::string& to) {
+  constexpr int kNobodyElseIsThere = 0;
+  MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase target,
+                          SqliteDatabase::Open(to, SqliteAccess::kCreate, kNobodyElseIsThere));
+  MAPLOC_RETURN_IF_ERROR(CopyPages(source, target));
+  // So that it cannot be taken for the store itself, nor the store's log for its own.
+  return RenewStamp(target);
+}
+
+bool SyncFolderOf(const std::string& path) {
+  std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (folder.empty()) folder = ".";
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool synced = fsync(descriptor) == 0;
+  close(descriptor);
+  return synced;
+}
+
+void RemoveStoreFiles(const std::string& path) {
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) std::remove((path + suffix).c_str());
+}
 
 Status BackupSqliteStore(const std::string& from, const std::string& to) {
   SqliteStoreOptions options;
@@ -59,11 +73,9 @@ Status BackupSqliteStore(const std::string& from, const std::string& to) {
                   to + ": exists already; choose another name or remove it");
   }
   const std::string partial = to + ".partial-" + std::to_string(getpid());
-  Status status = CopyToNewFile(source, partial, options.busy_timeout_ms);
+  Status status = CopyStore(source, partial);
   if (status.ok()) status = Publish(partial, to);
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
-    std::remove((partial + suffix).c_str());
-  }
+  RemoveStoreFiles(partial);
   return status;
 }
 

@@ -1,6 +1,9 @@
 #include "mapstore/store/sqlite_connections.h"
 
+#include <sqlite3.h>
+
 #include "mapstore/store/sqlite_file.h"
+#include "mapstore/store/sqlite_stamp.h"
 
 namespace maploc {
 namespace {
@@ -8,11 +11,33 @@ namespace {
 // Reads are short but for a map's loading; more connections than this would only cost memory.
 constexpr int kMaxReaders = 8;
 
+// As SQLite's own default: some 4 MB.
+constexpr int kFoldLogAtPages = 1000;
+
+int CountLogPages(void* count, sqlite3*, const char*, int pages) {
+  *static_cast<int*>(count) = pages;
+  return SQLITE_OK;
+}
+
+// The last connection that closes would write the log into the file.
+void LeaveLogAtClose(SqliteDatabase& database) {
+  sqlite3_db_config(database.handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+}
+
 }  // namespace
 
 SqliteConnections::Reader::~Reader() {
   transaction_.reset();
   if (database_) owner_->GiveBack(std::move(database_));
+}
+
+Status SqliteConnections::Writer::Commit() {
+  MAPLOC_RETURN_IF_ERROR(RaiseStamp(*database_));
+  MAPLOC_RETURN_IF_ERROR(owner_->identity_->Check(*database_));
+  MAPLOC_RETURN_IF_ERROR(transaction_->Commit());
+  MAPLOC_RETURN_IF_ERROR(owner_->identity_->CheckPaths());
+  owner_->FoldLog();
+  return Status::Ok();
 }
 
 Status SqliteConnections::Writer::CommitVisibly() {
@@ -24,25 +49,72 @@ Status SqliteConnections::Writer::CommitVisibly() {
 Result<std::unique_ptr<SqliteConnections>> SqliteConnections::Open(
     const std::string& path, const SqliteStoreOptions& options) {
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase writer, OpenStoreFile(path, options));
-  return std::unique_ptr<SqliteConnections>(new SqliteConnections(std::move(writer), options));
+  MAPLOC_ASSIGN_OR_RETURN(auto identity, SqliteIdentity::Of(writer));
+  return std::unique_ptr<SqliteConnections>(
+      new SqliteConnections(std::move(writer), std::move(identity), options));
+}
+
+SqliteConnections::SqliteConnections(SqliteDatabase writer,
+                                     std::unique_ptr<SqliteIdentity> identity,
+                                     const SqliteStoreOptions& options)
+    : options_(options), writer_(std::move(writer)), identity_(std::move(identity)) {
+  // In place of SQLite's own folding of the log at a commit, which does not look whose file it is.
+  sqlite3_wal_hook(writer_.handle(), &CountLogPages, &log_pages_);
+}
+
+SqliteConnections::~SqliteConnections() {
+  static_cast<void>(Read());  // a last look
+  if (identity_->state() == SqliteIdentity::State::kGood) return;
+  LeaveLogAtClose(writer_);
+  for (const std::unique_ptr<SqliteDatabase>& reader : free_readers_) LeaveLogAtClose(*reader);
+}
+
+// Only into a file of which a transaction has seen that it is ours. Where another process has
+// folded the log meanwhile, the next commit looks again and folds.
+void SqliteConnections::FoldLog() {
+  if (log_pages_ < kFoldLogAtPages || !identity_->IsUnchanged()) return;
+  // What cannot be folded now stays in the log, and the next commit tries again.
+  static_cast<void>(writer_.Execute("PRAGMA wal_checkpoint(PASSIVE)"));
+}
+
+// The log still stands where the next program will look for the log of the file that is there now.
+// Emptied into the file that it belongs to, which is open still, it can harm nobody; and where that
+// file was only moved away, it is whole.
+void SqliteConnections::FoldLogOfMovedStore() {
+  if (folded_ || identity_->state() != SqliteIdentity::State::kMoved) return;
+  folded_ = writer_.Execute("PRAGMA wal_checkpoint(TRUNCATE)").ok();
 }
 
 Result<SqliteConnections::Reader> SqliteConnections::Read() {
   Reader reader(*this);
+  Status status = Begin(reader);
+  if (status.ok()) return reader;
+  reader.transaction_.reset();
+  if (const std::unique_lock lock(write_mutex_, std::try_to_lock); lock) FoldLogOfMovedStore();
+  return status;
+}
+
+Status SqliteConnections::Begin(Reader& reader) {
+  MAPLOC_RETURN_IF_ERROR(identity_->CheckPaths());
   MAPLOC_ASSIGN_OR_RETURN(reader.database_, TakeReader());
   MAPLOC_ASSIGN_OR_RETURN(
       SqliteTransaction transaction,
       SqliteTransaction::Begin(*reader.database_, SqliteTransaction::Kind::kRead));
   reader.transaction_ = std::make_unique<SqliteTransaction>(std::move(transaction));
-  return reader;
+  return identity_->Check(*reader.database_);
 }
 
 Result<SqliteConnections::Writer> SqliteConnections::Write() {
   Writer writer(*this);
+  if (const Status status = identity_->CheckPaths(); !status.ok()) {
+    FoldLogOfMovedStore();
+    return status;
+  }
   MAPLOC_ASSIGN_OR_RETURN(
       SqliteTransaction transaction,
       SqliteTransaction::Begin(*writer.database_, SqliteTransaction::Kind::kWrite));
   writer.transaction_ = std::make_unique<SqliteTransaction>(std::move(transaction));
+  MAPLOC_RETURN_IF_ERROR(identity_->Check(*writer.database_));
   return writer;
 }
 
@@ -56,6 +128,8 @@ Result<std::unique_ptr<SqliteDatabase>> SqliteConnections::TakeReader() {
   }
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase database, SqliteDatabase::Open(path(), SqliteAccess::kRead,
                                                                         options_.busy_timeout_ms));
+  // Else it may be a connection to another file.
+  MAPLOC_RETURN_IF_ERROR(identity_->CheckPaths());
   ++readers_;
   return std::make_unique<SqliteDatabase>(std::move(database));
 }

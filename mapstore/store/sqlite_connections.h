@@ -1,5 +1,8 @@
 // A store's connections: one that writes, behind a mutex, and some that read, each used by one
 // thread at a time. With write-ahead logging no reader waits for the writer. Thread-safe.
+//
+// Every read and write begins, and every commit ends, with a look whether the path still names the
+// store: else UNAVAILABLE (STORE_REPLACED), for good.
 #pragma once
 
 #include <condition_variable>
@@ -10,6 +13,7 @@
 
 #include "mapstore/base/status.h"
 #include "mapstore/store/sqlite_database.h"
+#include "mapstore/store/sqlite_identity.h"
 #include "mapstore/store/sqlite_store.h"
 
 namespace maploc {
@@ -37,38 +41,50 @@ class SqliteConnections {
    public:
     Writer(Writer&&) noexcept = default;
     SqliteDatabase& database() { return *database_; }
-    Status Commit() { return transaction_->Commit(); }
+    // Ok: it is on disk, in the file that the path names.
+    Status Commit();
     // Commits a change that the caches of other processes must see.
     Status CommitVisibly();
 
    private:
     friend class SqliteConnections;
     explicit Writer(SqliteConnections& owner)
-        : lock_(owner.write_mutex_), database_(&owner.writer_) {}
+        : owner_(&owner), lock_(owner.write_mutex_), database_(&owner.writer_) {}
 
-    std::unique_lock<std::mutex> lock_;  // first, so that it is let go last
+    SqliteConnections* owner_;
+    std::unique_lock<std::mutex> lock_;  // before the transaction, so that it is let go last
     SqliteDatabase* database_;
     std::unique_ptr<SqliteTransaction> transaction_;
   };
 
   static Result<std::unique_ptr<SqliteConnections>> Open(const std::string& path,
                                                          const SqliteStoreOptions& options);
+  ~SqliteConnections();
 
   const std::string& path() const { return writer_.path(); }
   const SqliteStoreOptions& options() const { return options_; }
   Result<Reader> Read();
   Result<Writer> Write();
+  // Whether the path still names the store, by the names of its files alone: a few microseconds.
+  Status CheckIdentity() { return identity_->CheckPaths(); }
 
  private:
-  SqliteConnections(SqliteDatabase writer, const SqliteStoreOptions& options)
-      : options_(options), writer_(std::move(writer)) {}
+  SqliteConnections(SqliteDatabase writer, std::unique_ptr<SqliteIdentity> identity,
+                    const SqliteStoreOptions& options);
 
+  Status Begin(Reader& reader);
+  // REQUIRES: write_mutex_ is held and no transaction runs (both).
+  void FoldLog();
+  void FoldLogOfMovedStore();
   Result<std::unique_ptr<SqliteDatabase>> TakeReader();
   void GiveBack(std::unique_ptr<SqliteDatabase> database);
 
   const SqliteStoreOptions options_;
   std::mutex write_mutex_;
   SqliteDatabase writer_;  // guarded by write_mutex_
+  int log_pages_ = 0;      // in the log after the last commit; guarded by write_mutex_
+  bool folded_ = false;    // guarded by write_mutex_
+  const std::unique_ptr<SqliteIdentity> identity_;
 
   std::mutex read_mutex_;
   std::condition_variable reader_free_;

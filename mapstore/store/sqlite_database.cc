@@ -10,6 +10,9 @@ namespace maploc {
 namespace {
 
 int OpenFlags(SqliteAccess access) {
+  if (access == SqliteAccess::kFileAlone) {
+    return SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
+  }
   // Connections are guarded by their owners, so SQLite needs no mutex of its own. Readers open for
   // writing too, because only then can they take part in the write-ahead log's shared memory;
   // query_only keeps them from writing.
@@ -19,6 +22,19 @@ int OpenFlags(SqliteAccess access) {
 
 // SQLite gives names like ":memory:" and "" a meaning of their own; behind a folder they are files.
 std::string FileName(const std::string& path) { return path.starts_with('/') ? path : "./" + path; }
+
+// `immutable` is what keeps SQLite from looking at the log and at locks.
+std::string FileAloneUri(const std::string& path) {
+  std::string uri = "file:";
+  for (const char c : FileName(path)) {
+    if (c == '%' || c == '?' || c == '#') {
+      uri += c == '%' ? "%25" : c == '?' ? "%3f" : "%23";
+    } else {
+      uri += c;
+    }
+  }
+  return uri + "?immutable=1";
+}
 
 // A millisecond at a time (or a little more, as sleeping goes). SQLite's own handler sleeps up to
 // 100 ms between two looks, and an import that takes the lock again and again would win it from an
@@ -36,7 +52,8 @@ void SqliteDatabase::Close::operator()(sqlite3* handle) const { sqlite3_close_v2
 Result<SqliteDatabase> SqliteDatabase::Open(const std::string& path, SqliteAccess access,
                                             int busy_timeout_ms) {
   sqlite3* handle = nullptr;
-  const int result = sqlite3_open_v2(FileName(path).c_str(), &handle, OpenFlags(access), nullptr);
+  const std::string name = access == SqliteAccess::kFileAlone ? FileAloneUri(path) : FileName(path);
+  const int result = sqlite3_open_v2(name.c_str(), &handle, OpenFlags(access), nullptr);
   SqliteDatabase database(path, handle);
   if (result != SQLITE_OK) return database.ErrorOf(result);
   sqlite3_extended_result_codes(handle, 1);

@@ -18,12 +18,17 @@ struct sqlite3_stmt;
 
 namespace maploc {
 
-enum class SqliteAccess { kRead, kWrite, kCreate };
+enum class SqliteAccess {
+  kRead,
+  kWrite,
+  kCreate,
+  kFileAlone,  // reads the main file as it lies there: no lock, no log, and nothing appears beside
+};
 
 class SqliteDatabase {
  public:
-  // kRead refuses every write. DATA_LOSS where the file is damaged, UNAVAILABLE where it cannot be
-  // opened; messages name the file.
+  // kRead and kFileAlone refuse every write. DATA_LOSS where the file is damaged, UNAVAILABLE where
+  // it cannot be opened; messages name the file.
   static Result<SqliteDatabase> Open(const std::string& path, SqliteAccess access,
                                      int busy_timeout_ms);
 

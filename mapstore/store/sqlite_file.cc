@@ -8,7 +8,9 @@
 #include <thread>
 
 #include "mapstore/store/schema.h"
+#include "mapstore/store/sqlite_log.h"
 #include "mapstore/store/sqlite_migration.h"
+#include "mapstore/store/sqlite_stamp.h"
 #include "mapstore/store/sqlite_states.h"
 #include "mapstore/store/sqlite_store.h"
 
@@ -129,17 +131,28 @@ Status DeriveAnewIfStale(SqliteDatabase& database) {
   return transaction.Commit();
 }
 
+Status CheckBytes(const std::string& path) {
+  MAPLOC_RETURN_IF_ERROR(CheckHeader(path));
+  return CheckLog(path);
+}
+
 }  // namespace
+
+Status CheckStoreFile(const std::string& path) {
+  MAPLOC_RETURN_IF_ERROR(CheckPath(path, /*create=*/false).status());
+  return CheckBytes(path);
+}
 
 Result<SqliteDatabase> OpenStoreFile(const std::string& path, const SqliteStoreOptions& options) {
   MAPLOC_ASSIGN_OR_RETURN(const bool exists, CheckPath(path, options.create));
-  if (exists) MAPLOC_RETURN_IF_ERROR(CheckHeader(path));
+  if (exists) MAPLOC_RETURN_IF_ERROR(CheckBytes(path));
   const SqliteAccess access = exists ? SqliteAccess::kWrite : SqliteAccess::kCreate;
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase database,
                           SqliteDatabase::Open(path, access, options.busy_timeout_ms));
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t version, UserVersion(database));
   if (version != StoreSchemaVersion()) MAPLOC_RETURN_IF_ERROR(Migrate(database));
   MAPLOC_RETURN_IF_ERROR(TurnOnWriteAheadLog(database, options.busy_timeout_ms));
+  MAPLOC_RETURN_IF_ERROR(EnsureStamp(database));
   MAPLOC_RETURN_IF_ERROR(DeriveAnewIfStale(database));
   return database;
 }

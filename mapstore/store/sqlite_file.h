@@ -11,6 +11,10 @@ namespace maploc {
 
 struct SqliteStoreOptions;
 
+// Whether there is a store that this program can open, judged by bytes alone: errors as
+// OpenSqliteStore says, and nothing is touched.
+Status CheckStoreFile(const std::string& path);
+
 // The connection that writes, to a store of the current schema. Errors as OpenSqliteStore says; a
 // file that is refused has not been touched.
 Result<SqliteDatabase> OpenStoreFile(const std::string& path, const SqliteStoreOptions& options);

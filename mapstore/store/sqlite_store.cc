@@ -40,6 +40,7 @@ class SqliteStore : public MapStore {
   Result<std::vector<DecisionRecord>> ListDecisions(const MapKey& key, SegmentId id) const override;
   Status PinStrategy(const MapKey& key, SegmentId id, std::optional<Strategy> pinned) override;
   Result<std::int64_t> ChangeCounter() const override;
+  Status CheckIdentity() const override { return connections_->CheckIdentity(); }
   Status Verify() const override;
 
  private:

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "mapstore/tools/commands.h"
+#include "mapstore/tools/restore.h"
 #ifdef MAPLOC_HAS_IMPORT_COLMAP
 #include "mapstore/tools/import_colmap.h"
 #endif
@@ -28,6 +29,7 @@ void AddCommands(CLI::App& app, maploc::CommandContext& context) {
   maploc::AddVerifyCommand(app, context);
   maploc::AddLevelCommand(app, context);
   maploc::AddBackupCommand(app, context);
+  maploc::AddRestoreCommand(app, context);
   maploc::AddPlotCommand(app, context);
 }
 

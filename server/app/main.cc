@@ -9,6 +9,7 @@
 
 #include "server/app/options.h"
 #include "server/app/server.h"
+#include "server/sessions/caught.h"
 
 namespace {
 
@@ -46,13 +47,15 @@ int main(int argc, char** argv) {
   setenv("GRPC_VERBOSITY", "NONE", /*overwrite=*/0);
   // Whoever reads the log may go; that must not take the robots' server along.
   std::signal(SIGPIPE, SIG_IGN);
+  // Nor a limit on the size of files: the write fails, and whoever waits for it is told.
+  std::signal(SIGXFSZ, SIG_IGN);
   const sigset_t signals = BlockStopSignals();
-  auto server = maploc::Server::Start(command_line.options);
+  auto server = maploc::Caught([&] { return maploc::Server::Start(command_line.options); });
   if (!server.ok()) return Fail(server.status());
   int signal = 0;
   sigwait(&signals, &signal);
   spdlog::info("{}: finishing what runs", strsignal(signal));
-  const maploc::Status status = server.value()->Shutdown();
+  const maploc::Status status = maploc::Caught([&] { return server.value()->Shutdown(); });
   if (!status.ok()) return Fail(status);
   spdlog::info("stopped; statistics are on disk");
   return 0;

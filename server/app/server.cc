@@ -66,8 +66,11 @@ Status Server::StartDomain() {
   SessionManagerOptions sessions;
   sessions.idle_timeout =
       std::chrono::milliseconds(static_cast<std::int64_t>(options_.idle_timeout_s * 1000));
+  sessions.health = &health_;
   MAPLOC_ASSIGN_OR_RETURN(sessions_, SessionManager::Create(store_.get(), sessions));
-  maps_ = std::make_unique<MapCache>(store_.get());
+  MapCacheOptions maps;
+  maps.health = &health_;
+  maps_ = std::make_unique<MapCache>(store_.get(), maps);
   ServiceContext context;
   context.store = store_.get();
   context.sessions = sessions_.get();
@@ -89,14 +92,25 @@ Status Server::Listen() {
   // Else a second server would share the port and take half of the requests.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   services_->Register(&builder);
-  grpc_server_ = builder.BuildAndStart();
+  std::unique_ptr<grpc::Server> started = builder.BuildAndStart();
+  {
+    const std::lock_guard lock(mutex_);
+    grpc_server_ = std::move(started);
+  }
   if (grpc_server_ == nullptr || port_ == 0) {
     return Status(StatusCode::kUnavailable, "CANNOT_LISTEN",
                   "cannot listen on " + options_.listen +
                       "; is the port in use, or the host not this machine's?");
   }
+  TellHealth();
   spdlog::info("serving {} on port {} with {} workers", options_.store, port_, Workers(options_));
   return Status::Ok();
+}
+
+void Server::TellHealth() {
+  const std::lock_guard lock(mutex_);
+  if (grpc_server_ == nullptr || state_ != State::kServing) return;
+  grpc_server_->GetHealthCheckService()->SetServingStatus(health_.good());
 }
 
 Status Server::Shutdown() {
@@ -139,6 +153,8 @@ Server::~Server() {
   // In this order: calls first, then what they use.
   grpc_server_.reset();
   services_.reset();
+  maps_.reset();
+  sessions_.reset();
 }
 
 }  // namespace maploc

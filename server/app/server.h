@@ -14,9 +14,10 @@
 
 #include "mapstore/base/status.h"
 #include "mapstore/store/map_store.h"
+#include "mapstore/store/serve_lock.h"
 #include "server/app/options.h"
-#include "server/app/serve_lock.h"
 #include "server/service/services.h"
+#include "server/sessions/health.h"
 #include "server/sessions/map_cache.h"
 #include "server/sessions/session_manager.h"
 
@@ -29,7 +30,8 @@ class Server {
  public:
   // Takes the store's lock (refused, it has touched nothing), opens (or makes) the store, sweeps
   // abandoned imports, takes up open sessions, listens, and writes the port file: when it returns
-  // ok, the server answers. Errors name the cause and the cure.
+  // ok, the server answers. Errors name the cause and the cure. From then on health is SERVING
+  // while statistics can be written and the store is the one that was opened.
   static Result<std::unique_ptr<Server>> Start(const ServerOptions& options);
   // Shuts down.
   ~Server();
@@ -49,11 +51,14 @@ class Server {
   Server(const ServerOptions& options, std::unique_ptr<MapStore> store, ServeLock lock);
   Status StartDomain();
   Status Listen();
+  // Tells the watchers of gRPC's health what the threads report, until the end has begun.
+  void TellHealth();
 
   const ServerOptions options_;
   int port_ = 0;
   ServeLock lock_;  // first, so that it is let go last
   std::unique_ptr<MapStore> store_;
+  Health health_{[this] { TellHealth(); }};
   std::unique_ptr<SessionManager> sessions_;
   std::unique_ptr<MapCache> maps_;
   std::unique_ptr<Services> services_;

@@ -31,6 +31,8 @@ Observation Observe(const Localization& localization, const Clock& clock) {
 Status HandleLocalize(const ServiceContext& context, const Call& call,
                       const v1::LocalizeRequest& request, v1::LocalizeResponse* response) {
   const auto start = context.clock->SteadyNow();
+  // Maps in memory would answer on for a store that is gone, and statistics would go nowhere.
+  MAPLOC_RETURN_IF_ERROR(context.store->CheckIdentity());
   MAPLOC_ASSIGN_OR_RETURN(const Query query, QueryFromProto(request));
   const double convert_ms = MillisecondsSince(start, *context.clock);
   // The lease keeps the session open until the observation is recorded.

@@ -4,13 +4,13 @@
 
 #include <atomic>
 #include <chrono>
-#include <exception>
 
 #include <grpcpp/grpcpp.h>
 
 #include "server/service/grpc_status.h"
 #include "server/service/service_context.h"
 #include "server/service/worker_pool.h"
+#include "server/sessions/caught.h"
 
 namespace maploc {
 
@@ -62,11 +62,9 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
                     "the deadline passed while the request waited");
     }
     // The last line of defence: one request's accident must not take the others along.
-    try {
+    return Caught([&] {
       return handler_(services_, {deadline_, &cancelled_}, *request_, response_);
-    } catch (const std::exception& error) {
-      return Internal(error.what());
-    }
+    });
   }
 
   void FinishWith(const Status& status) { Finish(ToGrpc(status, context_)); }

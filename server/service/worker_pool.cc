@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "server/sessions/caught.h"
+
 namespace maploc {
 
 WorkerPool::WorkerPool(int threads, int max_waiting)
@@ -49,7 +51,7 @@ void WorkerPool::Run() {
     jobs_.pop_front();
     ++running_;
     lock.unlock();
-    job();
+    static_cast<void>(Caught([&] { return job(), Status::Ok(); }));
     lock.lock();
     --running_;
     if (jobs_.empty() && running_ == 0) idle_.notify_all();

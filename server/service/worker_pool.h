@@ -24,7 +24,7 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  // Jobs must not throw.
+  // What a job throws is dropped: jobs answer for themselves.
   Admission Submit(std::function<void()> job);
   // From now on kClosed.
   void Close();

@@ -24,7 +24,15 @@ Result<std::vector<MapSnapshot::Entry>> LoadEntries(const MapStore& store, const
   return entries;
 }
 
-// The same map with other strategies; the same pointer where nothing differs.
+// Whether the version in memory is the one that the store has under its number: a version that was
+// deleted gives its number to the next import.
+bool IsSameVersion(const MapSnapshot& loaded, const MapSummary& stored) {
+  return loaded.info.created_unix_ns == stored.info.created_unix_ns &&
+         static_cast<std::int64_t>(loaded.segments.size()) == stored.segments;
+}
+
+// The same map with other strategies; the same pointer where nothing differs. REQUIRES: they are as
+// many as the map's segments, by id.
 MapCache::Snapshot WithStrategies(const MapCache::Snapshot& old,
                                   const std::vector<SegmentSummary>& segments) {
   auto changed = std::make_shared<MapSnapshot>(*old);
@@ -94,9 +102,10 @@ MapCache::Snapshot MapCache::FindNewest(const std::string& name) {
   const std::lock_guard lock(mutex_);
   const auto newest = newest_.find(name);
   if (newest == newest_.end()) return nullptr;
-  Entry& entry = entries_.at(newest->second);
-  entry.last_used = std::chrono::steady_clock::now();
-  return entry.snapshot;
+  const auto found = entries_.find(newest->second);
+  if (found == entries_.end()) return nullptr;
+  found->second.last_used = std::chrono::steady_clock::now();
+  return found->second.snapshot;
 }
 
 Result<MapCache::Snapshot> MapCache::Load(const MapKey& key) {
@@ -113,16 +122,38 @@ Result<MapCache::Snapshot> MapCache::Load(const MapKey& key) {
   // A decision that was made while this loaded found no entry to change.
   const std::lock_guard refresh_lock(refresh_mutex_);
   MAPLOC_RETURN_IF_ERROR(RefreshStrategies(key));
-  return Find(key);
+  if (Snapshot found = Find(key)) return found;
+  return Status(StatusCode::kUnavailable, "MAP_MOVES",
+                "map '" + key.name + "' was replaced while it was loaded; try again");
 }
 
 Status MapCache::RefreshStrategies(const MapKey& key) {
+  const Result<MapSummary> map = store_->GetMap(key);
+  if (map.status().code() == StatusCode::kNotFound) return Drop(key), Status::Ok();
+  if (!map.ok()) return map.status();
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments, store_->ListSegments(key));
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = entries_.find(key);
+    if (found == entries_.end()) return Status::Ok();
+    Snapshot& snapshot = found->second.snapshot;
+    // Between two calls of the store the version may become another one.
+    if (IsSameVersion(*snapshot, *map) && segments.size() == snapshot->segments.size()) {
+      snapshot = WithStrategies(snapshot, segments);
+      return Status::Ok();
+    }
+  }
+  return Drop(key), Status::Ok();
+}
+
+// The next one who asks loads what the store has by then.
+void MapCache::Drop(const MapKey& key) {
   const std::lock_guard lock(mutex_);
-  const auto found = entries_.find(key);
-  if (found == entries_.end()) return Status::Ok();
-  found->second.snapshot = WithStrategies(found->second.snapshot, segments);
-  return Status::Ok();
+  entries_.erase(key);
+  const auto newest = newest_.find(key.name);
+  if (newest != newest_.end() && newest->second == key) newest_.erase(newest);
+  spdlog::warn("map '{}' version {} was deleted or replaced in the store: dropped from memory",
+               key.name, key.version);
 }
 
 Status MapCache::Refresh() {
@@ -151,6 +182,7 @@ void MapCache::LoadNewVersions() {
   }
   for (const std::string& name : names) {
     const Status status = LoadNewest(name).status();
+    if (status.reason() == "MAP_NOT_FOUND") continue;
     if (!status.ok()) spdlog::error("map '{}' cannot be loaded: {}", name, status.ToString());
   }
 }
@@ -165,20 +197,21 @@ void MapCache::DropUnused() {
   });
 }
 
+Status MapCache::LookAtChanges() {
+  MAPLOC_ASSIGN_OR_RETURN(const std::int64_t counter, store_->ChangeCounter());
+  const Status refreshed = Refresh();
+  if (counter != versions_seen_) LoadNewVersions();
+  versions_seen_ = counter;
+  DropUnused();
+  return refreshed;
+}
+
 void MapCache::Run() {
-  std::int64_t seen = -1;
+  Health& health = options_.health != nullptr ? *options_.health : own_health_;
   std::unique_lock lock(mutex_);
   while (!stopping_) {
     lock.unlock();
-    const Result<std::int64_t> counter = store_->ChangeCounter();
-    if (const Status status = Refresh(); !status.ok()) {
-      spdlog::error("the store's changes cannot be read: {}", status.ToString());
-    }
-    if (counter.ok() && *counter != seen) {
-      LoadNewVersions();
-      seen = *counter;
-    }
-    DropUnused();
+    health.Run("the store's changes", [this] { return LookAtChanges(); });
     lock.lock();
     stop_.wait_for(lock, options_.poll_interval, [this] { return stopping_; });
   }

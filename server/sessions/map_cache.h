@@ -19,6 +19,7 @@
 #include "mapstore/base/status.h"
 #include "mapstore/store/map_store.h"
 #include "server/pipeline/map_snapshot.h"
+#include "server/sessions/health.h"
 
 namespace maploc {
 
@@ -26,6 +27,7 @@ struct MapCacheOptions {
   std::chrono::milliseconds poll_interval{500};
   // An old version that nobody asked for this long is dropped from memory.
   std::chrono::milliseconds keep_unused{std::chrono::minutes(10)};
+  Health* health = nullptr;  // outlives the cache; null: nobody asks, failures are logged alone
 };
 
 class MapCache {
@@ -54,10 +56,13 @@ class MapCache {
   };
 
   void Run();
+  Status LookAtChanges();
   Snapshot Find(const MapKey& key);
   Snapshot FindNewest(const std::string& name);
   Result<Snapshot> Load(const MapKey& key);
+  // Drops the version where the store has it no more, or has another content under its number.
   Status RefreshStrategies(const MapKey& key);
+  void Drop(const MapKey& key);
   std::vector<MapKey> LoadedKeys() const;
   Result<Snapshot> LoadNewest(const std::string& name);
   void SetNewest(const MapKey& key);
@@ -66,9 +71,11 @@ class MapCache {
 
   const MapStore* const store_;
   const MapCacheOptions options_;
-  std::mutex load_mutex_;           // one load at a time: two queries do not load one map twice
-  std::mutex refresh_mutex_;        // one refresh at a time
-  std::int64_t seen_counter_ = -1;  // guarded by refresh_mutex_
+  Health own_health_;
+  std::mutex load_mutex_;            // one load at a time: two queries do not load one map twice
+  std::mutex refresh_mutex_;         // one refresh at a time
+  std::int64_t seen_counter_ = -1;   // guarded by refresh_mutex_
+  std::int64_t versions_seen_ = -1;  // the counter at which the thread loaded new versions
 
   mutable std::mutex mutex_;  // guards all below; never held over a call of the store
   std::map<MapKey, Entry> entries_;

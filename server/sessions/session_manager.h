@@ -25,6 +25,7 @@
 #include "mapstore/base/status.h"
 #include "mapstore/model/session.h"
 #include "mapstore/store/map_store.h"
+#include "server/sessions/health.h"
 
 namespace maploc {
 
@@ -36,6 +37,7 @@ struct SessionManagerOptions {
   std::size_t max_open_sessions = 10000;
   // Queries are refused (UNAVAILABLE) while this many observations wait for a store that fails.
   std::size_t max_unsaved_observations = 100000;
+  Health* health = nullptr;  // outlives the manager; null: nobody asks, failures are logged alone
 };
 
 // What a robot asks for.
@@ -102,8 +104,8 @@ class SessionManager {
 
   // Writes what waits. Called by the thread; public for a clean stop and for tests.
   Status Flush();
-  // Ends sessions that have been idle too long.
-  void CloseIdle();
+  // Ends sessions that have been idle too long; those that cannot be ended now are tried again.
+  Status CloseIdle();
   // No more queries are let in, what waits is written; sessions stay open in the store. Idempotent.
   Status Shutdown();
 
@@ -151,6 +153,7 @@ class SessionManager {
   MapStore* const store_;
   const SessionManagerOptions options_;
   const Clock& clock_;
+  Health own_health_;
 
   std::mutex start_mutex_;  // one start at a time, so that a repeated one finds the first
   std::map<RequestKey, Remembered> remembered_;  // guarded by start_mutex_

@@ -3,6 +3,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "server/sessions/caught.h"
 #include "server/sessions/open_session.h"
 #include "server/sessions/session_manager.h"
 
@@ -16,14 +17,14 @@ constexpr std::size_t kMaxGroup = 2000;
 }  // namespace
 
 void SessionManager::Run() {
+  Health& health = options_.health != nullptr ? *options_.health : own_health_;
   std::unique_lock lock(mutex_);
   while (!stopping_) {
     changed_.wait_for(lock, options_.flush_interval, [this] { return stopping_; });
     lock.unlock();
-    if (const Status status = Flush(); !status.ok()) {
-      spdlog::error("statistics stay in memory and are written again: {}", status.ToString());
-    }
-    CloseIdle();
+    health.Run("statistics, which stay in memory until they can be written",
+               [this] { return Flush(); });
+    health.Run("sessions that have been idle too long", [this] { return CloseIdle(); });
     lock.lock();
   }
 }
@@ -141,8 +142,9 @@ Result<SessionSummary> SessionManager::Finish(const std::shared_ptr<Open>& open,
     const std::lock_guard lock(mutex_);
     last = open->unsaved;
   }
-  Result<SessionSummary> summary =
-      store_->EndSession(open->session.id, end, clock_.NowUnixNanos(), last);
+  // Whatever happens, the session must not stay claimed.
+  Result<SessionSummary> summary = Caught(
+      [&] { return store_->EndSession(open->session.id, end, clock_.NowUnixNanos(), last); });
   {
     const std::lock_guard lock(mutex_);
     if (summary.ok()) {
@@ -162,8 +164,8 @@ void SessionManager::Drop(const std::shared_ptr<Open>& open) {
   open_.erase(open->session.id);
 }
 
-void SessionManager::CloseIdle() {
-  if (options_.idle_timeout.count() == 0) return;
+Status SessionManager::CloseIdle() {
+  if (options_.idle_timeout.count() == 0) return Status::Ok();
   const auto oldest = clock_.SteadyNow() - options_.idle_timeout;
   std::vector<std::shared_ptr<Open>> idle;
   {
@@ -174,15 +176,16 @@ void SessionManager::CloseIdle() {
       idle.push_back(open);
     }
   }
+  Status first_error;
   for (const std::shared_ptr<Open>& open : idle) {
     const Result<SessionSummary> summary = Finish(open, SessionEnd::kIdle);
     if (summary.ok()) {
       spdlog::info("session {} ended: idle, {} queries", open->session.id, summary->queries);
-    } else {
-      spdlog::error("session {} cannot be ended: {}", open->session.id,
-                    summary.status().ToString());
+    } else if (first_error.ok()) {
+      first_error = summary.status().WithContext("session " + open->session.id);
     }
   }
+  return first_error;
 }
 
 void SessionManager::StopThread() {

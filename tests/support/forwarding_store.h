@@ -56,6 +56,7 @@ class ForwardingStore : public MapStore {
     return store_->PinStrategy(key, id, pinned);
   }
   Result<std::int64_t> ChangeCounter() const override { return store_->ChangeCounter(); }
+  Status CheckIdentity() const override { return store_->CheckIdentity(); }
   Status Verify() const override { return store_->Verify(); }
 
  protected:

@@ -58,11 +58,13 @@ class ServerProcess {
     command.insert(command.end(), more_flags_.begin(), more_flags_.end());
     process_ = std::make_unique<Process>(std::move(command), folder_.File("stderr"));
   }
+  pid_t pid() const { return process_->pid(); }
   // kill -9; returns when the process is gone.
   void Kill() { End(SIGKILL, -1); }
-  // Returns when it has ended of itself. Without a server nothing happens.
-  void Stop() {
-    if (process_ != nullptr) End(SIGTERM, 0);
+  // Returns when it has ended of itself; 1: it says that statistics are not on disk. Without a
+  // server nothing happens.
+  void Stop(int exit_code = 0) {
+    if (process_ != nullptr) End(SIGTERM, exit_code);
   }
 
  private:

@@ -5,6 +5,7 @@
 
 #include "mapstore/store/sqlite_store.h"
 #include "tests/integration/crash/robot_day.h"
+#include "tests/integration/crash/small_street.h"
 #include "tests/support/run_binary.h"
 #include "tests/support/seed.h"
 #include "tests/support/server_process.h"
@@ -23,29 +24,6 @@ constexpr std::chrono::seconds kMayBeLost{1};
 int Kills() {
   const char* kills = std::getenv("MAPLOC_KILLS");
   return kills != nullptr ? std::atoi(kills) : 8;
-}
-
-// Small, so that the load is one of sessions rather than of matching.
-DrawnWorldOptions SmallStreet() {
-  DrawnWorldOptions options;
-  options.points_a_metre = 4;
-  options.lines_a_metre = 1;
-  return options;
-}
-
-std::vector<Query> DrawQueries(const DrawnWorld& world, Random random) {
-  QueryNoise noise;
-  noise.outlier_share = 0.1;
-  noise.max_points = 40;
-  noise.max_lines = 8;
-  std::vector<Query> queries;
-  for (int i = 0; i < 32; ++i) {
-    noise.max_points = i % 8 == 7 ? 1 : 40;  // some that cannot be localized
-    const Rigid3 camera_from_map =
-        DrawnWorld::CameraFromMapAt(random.Uniform(1.0, 20.0), random.Uniform(-0.3, 0.3));
-    queries.push_back(world.See(camera_from_map, noise, random));
-  }
-  return queries;
 }
 
 Moment RandomMomentWithin(std::chrono::milliseconds span, Random& random) {

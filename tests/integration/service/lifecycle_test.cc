@@ -79,6 +79,17 @@ TEST_F(LifecycleTest, HealthTurnsNotServingAtTheEnd) {
   EXPECT_TRUE(stop.get().ok());
 }
 
+TEST_F(LifecycleTest, AStoreThatIsReplacedIsNoLongerServed) {
+  ByteStream health(Address(), "/grpc.health.v1.Health/Watch", "");
+  EXPECT_EQ(health.Read(), kServing);
+  ASSERT_TRUE(client_->Localize(QueryAt(2.0)).ok());
+  std::filesystem::rename(options_.store, folder_.File("away"));
+  EXPECT_EQ(health.Read(), kNotServing);
+  const Status status = client_->Localize(QueryAt(2.0)).status();
+  EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+  EXPECT_EQ(status.reason(), "STORE_REPLACED");
+}
+
 TEST_F(LifecycleTest, ReflectionNamesTheServices) {
   ByteStream reflection(Address(), "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
                         kListServices);

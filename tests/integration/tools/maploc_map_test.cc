@@ -8,8 +8,9 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 
 TEST_F(MaplocMap, EveryCommandHelpsWithAnExample) {
-  for (const std::string command : {"list", "segments", "stats", "strategy", "explain", "sessions",
-                                    "revoke", "robots", "verify", "level", "backup", "plot"}) {
+  for (const std::string command :
+       {"list", "segments", "stats", "strategy", "explain", "sessions", "revoke", "robots",
+        "verify", "level", "backup", "restore", "plot"}) {
     const Output run = Map(command + " --help");
     EXPECT_EQ(run.exit_code, 0) << command << ": " << run.error;
     EXPECT_THAT(run.out, HasSubstr("maploc-map " + command + " --store")) << command;
@@ -253,6 +254,19 @@ TEST_F(MaplocMap, ABackupIsAStore) {
   EXPECT_EQ(Json("verify --store " + copy).at("ok"), true);
   EXPECT_EQ(Json("segments --map yard --store " + copy),
             Json("segments --map yard --store $STORE"));
+}
+
+TEST_F(MaplocMap, ARestoreSaysWhatIsThereNow) {
+  const std::string copy = folder_.File("copy.db");
+  const json sessions = Json("sessions --store $STORE");
+  ASSERT_EQ(Map("backup --store $STORE --to " + copy).exit_code, 0);
+  const json restored = Json("restore --store $STORE --from " + copy);
+  EXPECT_EQ(restored.at("maps"), 1);
+  EXPECT_EQ(restored.at("versions"), 1);
+  EXPECT_EQ(restored.at("sessions"), sessions.size());
+  EXPECT_EQ(Json("sessions --store $STORE"), sessions);
+  EXPECT_EQ(Json("verify --store $STORE").at("ok"), true);
+  ExpectFails("restore --store $STORE --from " + folder_.File("none.db"), "no such store");
 }
 
 TEST_F(MaplocMap, APlotIsAPicture) {

@@ -127,5 +127,84 @@ TEST_F(MapCacheTest, TheThreadSeesPinsAndNewVersions) {
   EXPECT_EQ(cache.Get(key_).value()->info.key, key_);
 }
 
+// A store in whose place another one can be put, or none that answers.
+class ChangingStore final : public testing::ForwardingStore {
+ public:
+  using ForwardingStore::ForwardingStore;
+  Result<MapSummary> GetMap(const MapKey& key) const override { return Now().GetMap(key); }
+  Result<MapSummary> GetMap(const std::string& name) const override { return Now().GetMap(name); }
+  Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const override {
+    return Now().ListSegments(key);
+  }
+  Result<std::shared_ptr<const Segment>> LoadSegment(const MapKey& key,
+                                                     SegmentId id) const override {
+    return Now().LoadSegment(key, id);
+  }
+  Result<std::int64_t> ChangeCounter() const override {
+    if (throws) throw std::bad_alloc();
+    return counter.load();
+  }
+  void PutInPlace(MapStore* other) {
+    now_ = other;
+    ++counter;
+  }
+  std::atomic<std::int64_t> counter = 0;
+  std::atomic<bool> throws = false;
+
+ private:
+  MapStore& Now() const { return *now_.load(); }
+
+  std::atomic<MapStore*> now_ = store_;
+};
+
+// The abort of old: fewer segments, or more, under the same name and version.
+TEST_F(MapCacheTest, AnotherContentUnderTheSameVersionIsNeitherServedNorMixed) {
+  const std::unique_ptr<MapStore> others = NewInMemoryStore();
+  MapInfo info = world_.info();
+  info.created_unix_ns += 1;
+  auto writer = others->BeginImport(info).value();
+  ASSERT_TRUE(writer->AddSegment(*world_.segments()[0]).ok());
+  ASSERT_TRUE(writer->Commit().ok());
+  ChangingStore store(store_.get());
+  MapCacheOptions options;
+  options.poll_interval = 1h;
+  MapCache cache(&store, options);
+  ASSERT_GT(cache.Newest("street").value()->segments.size(), 1u);
+  store.PutInPlace(others.get());
+  ASSERT_TRUE(cache.Refresh().ok());
+  EXPECT_EQ(cache.Newest("street").value()->segments.size(), 1u);
+  EXPECT_EQ(cache.Get(key_).value()->segments.size(), 1u);
+  store.PutInPlace(store_.get());
+  ASSERT_TRUE(cache.Refresh().ok());
+  EXPECT_EQ(cache.Get(key_).value()->segments.size(), world_.segments().size());
+}
+
+TEST_F(MapCacheTest, ADeletedMapIsForgotten) {
+  const std::unique_ptr<MapStore> empty = NewInMemoryStore();
+  ChangingStore store(store_.get());
+  MapCache cache(&store);
+  ASSERT_TRUE(cache.Newest("street").ok());
+  store.PutInPlace(empty.get());
+  ASSERT_TRUE(cache.Refresh().ok());
+  EXPECT_EQ(cache.Newest("street").status().reason(), "MAP_NOT_FOUND");
+  EXPECT_EQ(cache.Get(key_).status().reason(), "MAP_NOT_FOUND");
+}
+
+TEST_F(MapCacheTest, AnExceptionInTheThreadIsBadHealthUntilItIsOver) {
+  ChangingStore store(store_.get());
+  std::atomic<int> turns = 0;
+  Health health([&] { ++turns; });
+  MapCacheOptions options;
+  options.poll_interval = 1ms;
+  options.health = &health;
+  MapCache cache(&store, options);
+  store.throws = true;
+  EXPECT_TRUE(testing::WaitFor([&] { return !health.good(); }));
+  store.throws = false;
+  EXPECT_TRUE(testing::WaitFor([&] { return health.good(); }));
+  EXPECT_TRUE(testing::WaitFor([&] { return turns == 2; }));
+  EXPECT_TRUE(cache.Newest("street").ok());
+}
+
 }  // namespace
 }  // namespace maploc

@@ -329,7 +329,7 @@ TEST_F(SessionManagerTest, IdleSessionsEnd) {
   clock_.Advance(6min);
   Query(busy, 0);
   clock_.Advance(6min);
-  manager_->CloseIdle();
+  EXPECT_TRUE(manager_->CloseIdle().ok());
 
   EXPECT_EQ(memory_->GetSession(idle)->end, SessionEnd::kIdle);
   EXPECT_EQ(memory_->GetSession(busy)->end, SessionEnd::kOpen);

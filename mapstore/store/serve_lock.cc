@@ -1,4 +1,4 @@
-#include "server/app/serve_lock.h"
+#include "mapstore/store/serve_lock.h"
 
 #include <cerrno>
 #include <cstring>

@@ -1,0 +1,19 @@
+// Internal to mapstore/store: what backups and restores share.
+#pragma once
+
+#include <string>
+
+#include "mapstore/base/status.h"
+#include "mapstore/store/sqlite_database.h"
+
+namespace maploc {
+
+// All of `source`, as one state, into the new file `to`, with a stamp of its own. After a failure
+// RemoveStoreFiles(to) is the caller's.
+Status CopyStore(SqliteDatabase& source, const std::string& to);
+// Makes new names in the file's folder outlive a crash. False: errno tells why.
+bool SyncFolderOf(const std::string& path);
+// The file and what SQLite keeps beside it; no error where there is none.
+void RemoveStoreFiles(const std::string& path);
+
+}  // namespace maploc

@@ -1,0 +1,9 @@
+#pragma once
+
+#include "mapstore/tools/commands.h"
+
+namespace maploc {
+
+void AddRestoreCommand(CLI::App& app, CommandContext& context);
+
+}  // namespace maploc

@@ -1,0 +1,235 @@
+// A store that is killed, replaced, restored, deleted or full under a working server: what was
+// acknowledged is in the store that was acknowledged, and from the fault on robots are told.
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+
+#include "client/api/client.h"
+#include "mapstore/store/sqlite_store.h"
+#include "tests/integration/crash/small_street.h"
+#include "tests/support/run_binary.h"
+#include "tests/support/seed.h"
+#include "tests/support/server_process.h"
+#include "tests/support/stored_world.h"
+#include "tests/support/wait_for.h"
+
+namespace maploc::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using Moment = std::chrono::steady_clock::time_point;
+
+constexpr int kRobots = 4;
+constexpr int kNotAllWritten = 1;  // exit code: queries of sessions that were open
+
+// Short sessions, one after the other, until a call is refused.
+struct Robot {
+  struct End {
+    SessionSummary summary;
+    Moment asked;
+  };
+  std::vector<End> acknowledged;
+  Status refused;
+
+  Status WorkOneSession(const Client& client, const std::vector<Query>& queries) {
+    MAPLOC_ASSIGN_OR_RETURN(const SessionId id, client.StartSession("street", "rover", {}));
+    for (std::size_t i = 0; i < 3; ++i) {
+      Query query = queries[(acknowledged.size() + i) % queries.size()];
+      query.session = id;
+      MAPLOC_RETURN_IF_ERROR(client.Localize(query).status());
+    }
+    const Moment asked = std::chrono::steady_clock::now();
+    MAPLOC_ASSIGN_OR_RETURN(const SessionSummary summary, client.EndSession(id));
+    EXPECT_EQ(summary.queries, 3);
+    acknowledged.push_back({summary, asked});
+    return Status::Ok();
+  }
+  void Work(const std::string& address, const std::vector<Query>& queries,
+            const std::atomic<bool>& stop) {
+    ClientOptions once;
+    once.max_attempts = 1;
+    const Client client(address, once);
+    while (!stop && refused.ok()) refused = WorkOneSession(client, queries);
+  }
+};
+
+class ReplaceTest : public ::testing::Test {
+ protected:
+  ReplaceTest()
+      : world_(TestRandom(), SmallStreet()), queries_(DrawQueries(world_, TestRandom(1))) {
+    ImportWorld(world_, OpenSqliteStore(store_).value().get());
+    EXPECT_TRUE(BackupSqliteStore(store_, backup_).ok());
+    address_ = server_.Start();
+    for (Robot& robot : robots_) {
+      threads_.emplace_back([&] { robot.Work(address_, queries_, stop_); });
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(800));
+  }
+  ~ReplaceTest() override { Join(); }
+
+  void Join() {
+    stop_ = true;
+    for (std::thread& thread : threads_) thread.join();
+    threads_.clear();
+  }
+  // After the fault, whose moment is now.
+  void Fault(const std::function<void()>& fault) {
+    fault();
+    fault_ = std::chrono::steady_clock::now();
+    std::this_thread::sleep_for(std::chrono::milliseconds(800));
+    Join();
+  }
+  void ExpectAllTold(const std::string& reason) const {
+    for (const Robot& robot : robots_) {
+      EXPECT_FALSE(robot.acknowledged.empty());
+      EXPECT_EQ(robot.refused.reason(), reason) << robot.refused.ToString();
+      for (const Robot::End& end : robot.acknowledged) EXPECT_LE(end.asked, fault_);
+    }
+  }
+  // Every EndSession that was answered, whole.
+  void ExpectAcknowledgedIn(const std::string& path) const {
+    const auto store = OpenSqliteStore(path);
+    ASSERT_TRUE(store.ok()) << store.status().ToString();
+    for (const Robot& robot : robots_) {
+      for (const Robot::End& end : robot.acknowledged) {
+        const SessionId& id = end.summary.session;
+        const Result<Session> session = (*store)->GetSession(id);
+        ASSERT_TRUE(session.ok()) << session.status().ToString();
+        EXPECT_EQ(session->end, SessionEnd::kByRobot);
+        EXPECT_EQ((*store)->ListObservations(id)->size(), 3u);
+      }
+    }
+  }
+  static void ExpectVerifies(const std::string& path) {
+    const Output verify = RunBinary("maploc-map verify --store " + path);
+    EXPECT_EQ(verify.exit_code, 0) << verify.error;
+  }
+  void ExpectServesAgain() {
+    const Client client(server_.Start());
+    EXPECT_TRUE(client.StartSession("street", "rover", {}).ok());
+  }
+  // Each of the server's threads tells it once, however often it meets it.
+  void ExpectLoggedOnce(const std::string& what) const {
+    constexpr int kThreads = 3;
+    const std::string log = folder_.Read("stderr");
+    int lines = 0;
+    for (std::size_t at = log.find(what); at != log.npos; at = log.find(what, at + 1)) ++lines;
+    EXPECT_GE(lines, 1) << log;
+    EXPECT_LE(lines, kThreads) << log;
+  }
+  Output Restore() const {
+    return RunBinary("maploc-map restore --store " + store_ + " --from " + backup_);
+  }
+
+  const TemporaryFolder folder_;
+  const std::string store_ = folder_.File("store");
+  const std::string backup_ = folder_.File("backup");
+  const DrawnWorld world_;
+  const std::vector<Query> queries_;
+  ServerProcess server_{folder_, {"--queue", "64", "--log-level", "warn"}};
+  std::string address_;
+  std::vector<Robot> robots_ = std::vector<Robot>(kRobots);
+  std::atomic<bool> stop_ = false;
+  std::vector<std::thread> threads_;
+  Moment fault_;
+};
+
+TEST_F(ReplaceTest, Killed) {
+  Fault([&] { server_.Kill(); });
+  ExpectVerifies(store_);
+  ExpectAcknowledgedIn(store_);
+}
+
+TEST_F(ReplaceTest, AnotherFileMovedOverIt) {
+  const std::string old = folder_.File("old");
+  std::filesystem::create_hard_link(store_, old);  // so that the test can look into it
+  Fault([&] { std::filesystem::rename(backup_, store_); });
+  ExpectAllTold("STORE_REPLACED");
+  ExpectLoggedOnce("STORE_REPLACED");
+  ExpectVerifies(store_);
+  server_.Stop(kNotAllWritten);
+  ExpectVerifies(store_);
+  ExpectVerifies(old);
+  ExpectAcknowledgedIn(old);
+  ExpectServesAgain();
+}
+
+// Without a clean stop, which would put the log away.
+TEST_F(ReplaceTest, AnotherFileMovedOverItAndTheServerKilled) {
+  Fault([&] {
+    std::filesystem::rename(backup_, store_);
+    server_.Kill();
+  });
+  const Output verify = RunBinary("maploc-map verify --store " + store_);
+  if (verify.exit_code != 0) {
+    EXPECT_THAT(verify.error, HasSubstr("maploc-map restore"));
+  }
+  std::filesystem::copy_file(store_, backup_);
+  EXPECT_EQ(Restore().exit_code, 0);
+  ExpectVerifies(store_);
+  ExpectServesAgain();
+}
+
+TEST_F(ReplaceTest, WrittenOver) {
+  Fault([&] {
+    std::filesystem::copy_file(backup_, store_, std::filesystem::copy_options::overwrite_existing);
+  });
+  for (const Robot& robot : robots_) {
+    EXPECT_FALSE(robot.refused.ok());
+    for (const Robot::End& end : robot.acknowledged) EXPECT_LE(end.asked, fault_);
+  }
+  server_.Stop(kNotAllWritten);
+  EXPECT_EQ(folder_.Read("store"), folder_.Read("backup"));
+  const Output restored = Restore();
+  EXPECT_EQ(restored.exit_code, 0) << restored.error;
+  ExpectVerifies(store_);
+  ExpectServesAgain();
+}
+
+TEST_F(ReplaceTest, Deleted) {
+  const std::string old = folder_.File("old");
+  std::filesystem::create_hard_link(store_, old);
+  Fault([&] { std::filesystem::remove(store_); });
+  ExpectAllTold("STORE_REPLACED");
+  server_.Stop(kNotAllWritten);
+  ExpectVerifies(old);
+  ExpectAcknowledgedIn(old);
+  EXPECT_EQ(Restore().exit_code, 0);
+  ExpectVerifies(store_);
+  ExpectServesAgain();
+}
+
+TEST_F(ReplaceTest, RestoredInUseIsRefusedAndAfterwardsDone) {
+  Fault([&] { ExpectFailed(Restore(), "a maploc-server serves it"); });
+  for (const Robot& robot : robots_) EXPECT_TRUE(robot.refused.ok()) << robot.refused.ToString();
+  server_.Stop();
+  ExpectVerifies(store_);
+  ExpectAcknowledgedIn(store_);
+  EXPECT_EQ(Restore().exit_code, 0);
+  ExpectVerifies(store_);
+  EXPECT_TRUE(OpenSqliteStore(store_).value()->ListSessions()->empty());
+  ExpectServesAgain();
+}
+
+// A limit on the size of files stands for a full disk: it needs no rights to set, and to lift.
+TEST_F(ReplaceTest, FullAndThenNoLonger) {
+  rlimit before{};
+  Fault([&] {
+    ASSERT_EQ(prlimit(server_.pid(), RLIMIT_FSIZE, nullptr, &before), 0);
+    const rlimit none{0, before.rlim_max};
+    ASSERT_EQ(prlimit(server_.pid(), RLIMIT_FSIZE, &none, nullptr), 0);
+  });
+  ExpectAllTold("STORE_IO");
+  ASSERT_EQ(prlimit(server_.pid(), RLIMIT_FSIZE, &before, nullptr), 0);
+  const Client client(address_);
+  EXPECT_TRUE(WaitFor([&] { return client.StartSession("street", "rover", {}).ok(); }));
+  server_.Stop();
+  ExpectVerifies(store_);
+  ExpectAcknowledgedIn(store_);
+}
+
+}  // namespace
+}  // namespace maploc::testing

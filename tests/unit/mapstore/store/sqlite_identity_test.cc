@@ -1,0 +1,158 @@
+// A store that is moved, deleted or written over under a running program: nothing is acknowledged
+// any more, and neither file is harmed.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "tests/unit/mapstore/store/sqlite_store_fixture.h"
+
+namespace maploc::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+class SqliteIdentityTest : public SqliteStoreTest {
+ protected:
+  SqliteIdentityTest() { key_ = GiveMap(*Open()); }
+
+  std::string Backup() {
+    const std::string to = folder_.File("backup.db");
+    const Status status = BackupSqliteStore(path_, to);
+    EXPECT_TRUE(status.ok()) << status.ToString();
+    return to;
+  }
+  // As cp does: the same file, another content.
+  void Copy(const std::string& from, const std::string& to) {
+    std::ofstream(to, std::ios::binary | std::ios::trunc) << ReadFile(from);
+  }
+  // File and log as a kill leaves them.
+  void CopyAsKilled(const std::string& to) {
+    Copy(path_, to);
+    Copy(path_ + "-wal", to + "-wal");
+  }
+  Status Start(MapStore& store, const SessionId& id) {
+    return store.StartSession(OpenSession(id, key_));
+  }
+  void ExpectReplaced(MapStore& store, const std::string& how) {
+    for (const Status& status :
+         {Start(store, "late"), store.ChangeCounter().status(), store.CheckIdentity()}) {
+      EXPECT_EQ(status.code(), StatusCode::kUnavailable);
+      EXPECT_EQ(status.reason(), "STORE_REPLACED");
+      EXPECT_THAT(status.message(), HasSubstr(how));
+    }
+  }
+  void ExpectVerifies(const std::string& path, std::size_t sessions) {
+    const auto store = OpenSqliteStore(path);
+    ASSERT_TRUE(store.ok()) << store.status().ToString();
+    const Status status = (*store)->Verify();
+    EXPECT_TRUE(status.ok()) << status.ToString();
+    EXPECT_EQ((*store)->ListSessions()->size(), sessions);
+  }
+
+  MapKey key_;
+};
+
+TEST_F(SqliteIdentityTest, AFileThatIsMovedOverTheStoreIsLeftWhole) {
+  auto store = Open();
+  ASSERT_TRUE(Start(*store, "before").ok());
+  const std::string backup = Backup();
+  ASSERT_TRUE(Start(*store, "after").ok());
+  ASSERT_EQ(std::rename(backup.c_str(), path_.c_str()), 0);
+  ExpectReplaced(*store, "replaced by another file");
+  ExpectVerifies(path_, 1);  // also while the other program is there
+  store.reset();
+  ExpectVerifies(path_, 1);
+}
+
+TEST_F(SqliteIdentityTest, AStoreThatWasMovedAwayTakesItsLogAlong) {
+  auto store = Open();
+  ASSERT_TRUE(Start(*store, "before").ok());
+  const std::string away = folder_.File("away.db");
+  ASSERT_EQ(std::rename(path_.c_str(), away.c_str()), 0);
+  ExpectReplaced(*store, "deleted or moved away");
+  store.reset();
+  ExpectVerifies(away, 1);
+}
+
+TEST_F(SqliteIdentityTest, ACopyOverTheStoreIsNoticedAndNotWrittenTo) {
+  const std::string backup = Backup();
+  auto store = Open();
+  ASSERT_TRUE(Start(*store, "before").ok());
+  Copy(backup, path_);
+  ExpectReplaced(*store, "was written over");
+  store.reset();
+  EXPECT_EQ(ReadFile(path_), ReadFile(backup));
+}
+
+TEST_F(SqliteIdentityTest, AnOlderStateOfTheStoreItselfIsNoticedToo) {
+  const std::string copy = folder_.File("copy.db");
+  Copy(path_, copy);
+  ASSERT_TRUE(Start(*Open(), "between").ok());
+  auto store = Open();
+  ASSERT_TRUE(Start(*store, "before").ok());
+  Copy(copy, path_);
+  ExpectReplaced(*store, "was written over");
+}
+
+TEST_F(SqliteIdentityTest, ALogThatWasRemovedIsNoticedAndItsContentKept) {
+  auto store = Open();
+  ASSERT_TRUE(Start(*store, "before").ok());
+  ASSERT_EQ(std::remove((path_ + "-wal").c_str()), 0);
+  ExpectReplaced(*store, "-wal, which was deleted or replaced");
+  store.reset();
+  ASSERT_EQ(std::remove((path_ + "-shm").c_str()), 0);
+  ExpectVerifies(path_, 1);
+}
+
+TEST_F(SqliteIdentityTest, FoldedLogsAreNoReplacement) {
+  const auto store = Open();
+  const auto other = Open();
+  for (int i = 0; i < 20; ++i) {
+    const Status status = Start(*(i % 2 == 0 ? store : other), "session-" + std::to_string(i));
+    ASSERT_TRUE(status.ok()) << status.ToString();
+    if (i % 3 == 0) Execute("PRAGMA wal_checkpoint(TRUNCATE)");
+  }
+  ASSERT_TRUE(GiveMap(*store, "large", 40).version > 0);  // folds of itself
+  EXPECT_TRUE(store->Verify().ok());
+  EXPECT_TRUE(other->CheckIdentity().ok());
+}
+
+TEST_F(SqliteIdentityTest, AKilledServersOwnLogIsReplayed) {
+  const auto store = Open();
+  ASSERT_TRUE(Start(*store, "before").ok());
+  CopyAsKilled(folder_.File("killed.db"));
+  ExpectVerifies(folder_.File("killed.db"), 1);
+}
+
+// The damage of old: five of five.
+TEST_F(SqliteIdentityTest, ALogOfAnotherFileIsRefusedAndHarmsNothing) {
+  const std::string old = folder_.File("old.db");
+  Copy(path_, old);  // by hand, while nobody used it
+  ASSERT_TRUE(Start(*Open(), "between").ok());
+  const std::string backup = Backup();
+  const auto store = Open();
+  ASSERT_TRUE(Start(*store, "before").ok());
+  for (const std::string& from : {old, backup}) {
+    const std::string killed = folder_.File("killed.db");
+    CopyAsKilled(killed);
+    Copy(from, killed);
+    const Status status = OpenSqliteStore(killed).status();
+    EXPECT_EQ(status.reason(), "FOREIGN_LOG") << from;
+    EXPECT_THAT(status.message(), HasSubstr("maploc-map restore --store " + killed));
+    EXPECT_EQ(ReadFile(killed), ReadFile(from));
+  }
+}
+
+TEST_F(SqliteIdentityTest, AStoreFromBeforeStampsGetsOne) {
+  Execute("DELETE FROM meta WHERE name = 'commit_stamp'");
+  const std::string backup = Backup();
+  auto store = Open();
+  ASSERT_TRUE(Start(*store, "before").ok());
+  Copy(backup, path_);
+  ExpectReplaced(*store, "was written over");
+}
+
+}  // namespace
+}  // namespace maploc::testing
