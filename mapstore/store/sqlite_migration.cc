@@ -1,6 +1,5 @@
 #include "mapstore/store/sqlite_migration.h"
 
-#include <ranges>
 #include <span>
 
 namespace maploc {
@@ -10,7 +9,9 @@ namespace {
 std::uint64_t HashBefore(std::span<const std::uint8_t> last, std::uint64_t hash) {
   constexpr std::uint64_t kInverseOfPrime = 0xce965057aff6957bull;
   static_assert(kInverseOfPrime * 0x100000001b3ull == 1);
-  for (const std::uint8_t byte : last | std::views::reverse) hash = hash * kInverseOfPrime ^ byte;
+  for (auto byte = last.rbegin(); byte != last.rend(); ++byte) {
+    hash = hash * kInverseOfPrime ^ *byte;
+  }
   return hash;
 }
 
