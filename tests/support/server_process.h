@@ -66,6 +66,14 @@ class ServerProcess {
   void Stop(int exit_code = 0) {
     if (process_ != nullptr) End(SIGTERM, exit_code);
   }
+  // As Stop, where the store was taken away: 1 or 0, as statistics were still waiting for it or
+  // not, which depends on the moment.
+  void StopWithoutStore() {
+    process_->Signal(SIGTERM);
+    const int exit_code = process_->Wait();
+    EXPECT_TRUE(exit_code == 0 || exit_code == 1) << exit_code << folder_.Read("stderr");
+    process_.reset();
+  }
 
  private:
   void End(int signal, int exit_code) {

@@ -23,7 +23,6 @@ using ::testing::HasSubstr;
 using Moment = std::chrono::steady_clock::time_point;
 
 constexpr int kRobots = 4;
-constexpr int kNotAllWritten = 1;  // exit code: queries of sessions that were open
 
 // Short sessions, one after the other, until a call is refused.
 struct Robot {
@@ -150,7 +149,7 @@ TEST_F(ReplaceTest, AnotherFileMovedOverIt) {
   ExpectAllTold("STORE_REPLACED");
   ExpectLoggedOnce("STORE_REPLACED");
   ExpectVerifies(store_);
-  server_.Stop(kNotAllWritten);
+  server_.StopWithoutStore();
   ExpectVerifies(store_);
   ExpectVerifies(old);
   ExpectAcknowledgedIn(old);
@@ -181,7 +180,7 @@ TEST_F(ReplaceTest, WrittenOver) {
     EXPECT_FALSE(robot.refused.ok());
     for (const Robot::End& end : robot.acknowledged) EXPECT_LE(end.asked, fault_);
   }
-  server_.Stop(kNotAllWritten);
+  server_.StopWithoutStore();
   EXPECT_EQ(folder_.Read("store"), folder_.Read("backup"));
   const Output restored = Restore();
   EXPECT_EQ(restored.exit_code, 0) << restored.error;
@@ -194,7 +193,7 @@ TEST_F(ReplaceTest, Deleted) {
   std::filesystem::create_hard_link(store_, old);
   Fault([&] { std::filesystem::remove(store_); });
   ExpectAllTold("STORE_REPLACED");
-  server_.Stop(kNotAllWritten);
+  server_.StopWithoutStore();
   ExpectVerifies(old);
   ExpectAcknowledgedIn(old);
   EXPECT_EQ(Restore().exit_code, 0);
