@@ -47,6 +47,11 @@ int WaitForLock(void* timeout_ms, int times_before) {
 
 }  // namespace
 
+Status NotAStore(const std::string& path, std::string_view what) {
+  return Status(StatusCode::kDataLoss, "INVALID_FILE",
+                path + ": is not a maploc store (it " + std::string(what) + ")");
+}
+
 void SqliteDatabase::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
 
 Result<SqliteDatabase> SqliteDatabase::Open(const std::string& path, SqliteAccess access,
@@ -82,7 +87,7 @@ Status SqliteDatabase::ErrorOf(int result_code) const {
   const std::string where = path_ + ": ";
   switch (result_code & 0xff) {
     case SQLITE_NOTADB:
-      return InvalidFile(path_, "is not a maploc store (not an SQLite database)");
+      return NotAStore(path_, "is not an SQLite database");
     case SQLITE_CORRUPT:
       return Status(
           StatusCode::kDataLoss, "DAMAGED_STORE",

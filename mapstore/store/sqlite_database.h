@@ -25,6 +25,9 @@ enum class SqliteAccess {
   kFileAlone,  // reads the main file as it lies there: no lock, no log, and nothing appears beside
 };
 
+// DATA_LOSS (INVALID_FILE). `what` goes on after "it": "is empty".
+Status NotAStore(const std::string& path, std::string_view what);
+
 class SqliteDatabase {
  public:
   // kRead and kFileAlone refuse every write. DATA_LOSS where the file is damaged, UNAVAILABLE where

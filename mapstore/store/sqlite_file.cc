@@ -49,10 +49,10 @@ Status CheckHeader(const std::string& path) {
   file.read(reinterpret_cast<char*>(header.data()), header.size());
   const bool whole = file.gcount() == static_cast<std::streamsize>(header.size());
   if (!whole || std::memcmp(header.data(), kMagic.data(), kMagic.size()) != 0) {
-    return InvalidFile(path, "is not a maploc store (not an SQLite database)");
+    return NotAStore(path, "is not an SQLite database");
   }
   if (BigEndian32(header, kApplicationIdAt) != static_cast<std::uint32_t>(kStoreApplicationId)) {
-    return InvalidFile(path, "is not a maploc store (an SQLite database of another application)");
+    return NotAStore(path, "is an SQLite database of another application");
   }
   const std::uint32_t version = BigEndian32(header, kUserVersionAt);
   if (version > static_cast<std::uint32_t>(StoreSchemaVersion())) return TooNew(path, version);
@@ -70,11 +70,11 @@ Result<bool> CheckPath(const std::string& path, bool create) {
                   path + ": there is no such store; check --store, or make one by an import");
   }
   if (!std::filesystem::is_regular_file(status)) {
-    return InvalidFile(path, "is not a file, so no maploc store");
+    return NotAStore(path, "is not a file");
   }
   if (std::filesystem::file_size(path, error) > 0) return true;
   if (create) return false;
-  return InvalidFile(path, "is empty, so no maploc store; make one by an import");
+  return NotAStore(path, "is empty; make a store by an import");
 }
 
 Result<std::int64_t> UserVersion(SqliteDatabase& database) {

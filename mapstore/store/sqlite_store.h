@@ -18,7 +18,7 @@ struct SqliteStoreOptions : StoreOptions {
 
 // Errors name the file, and leave it unchanged:
 // NOT_FOUND (STORE_NOT_FOUND) there is none and `create` is false;
-// INVALID_ARGUMENT (INVALID_FILE) not SQLite, or another application's SQLite;
+// DATA_LOSS (INVALID_FILE) not SQLite, or another application's SQLite;
 // FAILED_PRECONDITION (STORE_TOO_NEW) written by a newer maploc;
 // DATA_LOSS truncated or damaged; UNAVAILABLE cannot be opened or locked.
 Result<std::unique_ptr<MapStore>> OpenSqliteStore(const std::string& path,

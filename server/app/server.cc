@@ -76,6 +76,7 @@ Status Server::StartDomain() {
   context.sessions = sessions_.get();
   context.maps = maps_.get();
   context.localizer = options_.localizer;
+  context.store_path = options_.store;
   const int workers = Workers(options_);
   const int queue = options_.queue > 0 ? options_.queue : kWaitingAWorker * workers;
   services_ = std::make_unique<Services>(context, ServicesOptions{workers, queue});
@@ -101,6 +102,10 @@ Status Server::Listen() {
     return Status(StatusCode::kUnavailable, "CANNOT_LISTEN",
                   "cannot listen on " + options_.listen +
                       "; is the port in use, or the host not this machine's?");
+  }
+  // Asked for by name, or for the server as a whole; TellHealth turns all that are known.
+  for (const std::string& name : Services::Names()) {
+    grpc_server_->GetHealthCheckService()->SetServingStatus(name, true);
   }
   TellHealth();
   spdlog::info("serving {} on port {} with {} workers", options_.store, port_, Workers(options_));
