@@ -13,6 +13,7 @@ int OpenFlags(SqliteAccess access) {
   if (access == SqliteAccess::kFileAlone) {
     return SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
   }
+  if (access == SqliteAccess::kReadOnly) return SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_READONLY;
   // Connections are guarded by their owners, so SQLite needs no mutex of its own. Readers open for
   // writing too, because only then can they take part in the write-ahead log's shared memory;
   // query_only keeps them from writing.
@@ -59,7 +60,7 @@ Result<SqliteDatabase> SqliteDatabase::Open(const std::string& path, SqliteAcces
   sqlite3* handle = nullptr;
   const std::string name = access == SqliteAccess::kFileAlone ? FileAloneUri(path) : FileName(path);
   const int result = sqlite3_open_v2(name.c_str(), &handle, OpenFlags(access), nullptr);
-  SqliteDatabase database(path, handle);
+  SqliteDatabase database(path, access, handle);
   if (result != SQLITE_OK) return database.ErrorOf(result);
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_handler(handle, &WaitForLock,

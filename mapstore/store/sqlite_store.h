@@ -24,6 +24,11 @@ struct SqliteStoreOptions : StoreOptions {
 Result<std::unique_ptr<MapStore>> OpenSqliteStore(const std::string& path,
                                                   const SqliteStoreOptions& options = {});
 
+// Whether file and folder may be written by this process; true where there is no store yet. Where
+// not, OpenSqliteStore opens a store to read: what would change it is FAILED_PRECONDITION
+// (STORE_READ_ONLY), and a schema or derivation of another version STORE_TOO_OLD.
+bool CanWriteStore(const std::string& path);
+
 // Copies the store at `from` while it may be in use, as one consistent state. `to` must not exist;
 // it appears only when complete.
 Status BackupSqliteStore(const std::string& from, const std::string& to);

@@ -78,6 +78,7 @@ Result<std::unique_ptr<SessionManager>> SessionManager::Create(MapStore* store,
 SessionManager::~SessionManager() { StopThread(); }
 
 Status SessionManager::Recover() {
+  if (store_->read_only()) return Status::Ok();  // there nothing can be added or ended
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<Session> sessions, store_->ListSessions());
   for (const Session& session : sessions) {
     Remember(session);
