@@ -32,10 +32,9 @@ Status NotWritten(const std::string& to) {
                 to + ": cannot be written (" + std::strerror(errno) + "); check the folder");
 }
 
-// A link fails where the name exists by now; a rename would replace what is there.
-Status Publish(const std::string& partial, const std::string& to) {
-  if (link(partial.c_str(), to.c_str()) != 0 || !SyncFolderOf(to)) return NotWritten(to);
-  return Status::Ok();
+Status FileExists(const std::string& path) {
+  return Status(StatusCode::kAlreadyExists, "FILE_EXISTS",
+                path + ": exists already; choose another name or remove it");
 }
 
 }  // namespace
@@ -63,18 +62,21 @@ void RemoveStoreFiles(const std::string& path) {
   for (const char* suffix : {"", "-wal", "-shm", "-journal"}) std::remove((path + suffix).c_str());
 }
 
+// A link fails where the name exists by now; a rename would replace what is there.
+Status PublishStoreFile(const std::string& partial, const std::string& to) {
+  if (link(partial.c_str(), to.c_str()) == 0 && SyncFolderOf(to)) return Status::Ok();
+  return errno == EEXIST ? FileExists(to) : NotWritten(to);
+}
+
 Status BackupSqliteStore(const std::string& from, const std::string& to) {
   SqliteStoreOptions options;
   options.create = false;
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase source, OpenStoreFile(from, options));
   std::error_code error;
-  if (std::filesystem::exists(to, error)) {
-    return Status(StatusCode::kAlreadyExists, "BACKUP_EXISTS",
-                  to + ": exists already; choose another name or remove it");
-  }
+  if (std::filesystem::exists(to, error)) return FileExists(to);
   const std::string partial = to + ".partial-" + std::to_string(getpid());
   Status status = CopyStore(source, partial);
-  if (status.ok()) status = Publish(partial, to);
+  if (status.ok()) status = PublishStoreFile(partial, to);
   RemoveStoreFiles(partial);
   return status;
 }

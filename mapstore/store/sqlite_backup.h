@@ -13,7 +13,5 @@ namespace maploc {
 Status CopyStore(SqliteDatabase& source, const std::string& to);
 // Makes new names in the file's folder outlive a crash. False: errno tells why.
 bool SyncFolderOf(const std::string& path);
-// The file and what SQLite keeps beside it; no error where there is none.
-void RemoveStoreFiles(const std::string& path);
 
 }  // namespace maploc

@@ -29,6 +29,12 @@ Result<std::unique_ptr<MapStore>> OpenSqliteStore(const std::string& path,
 // (STORE_READ_ONLY), and a schema or derivation of another version STORE_TOO_OLD.
 bool CanWriteStore(const std::string& path);
 
+// Gives the closed store `partial` its name, for good; ALREADY_EXISTS (FILE_EXISTS) where there is
+// such a file: nothing is replaced.
+Status PublishStoreFile(const std::string& partial, const std::string& to);
+// The file and what SQLite keeps beside it; no error where there is none.
+void RemoveStoreFiles(const std::string& path);
+
 // Copies the store at `from` while it may be in use, as one consistent state. `to` must not exist;
 // it appears only when complete.
 Status BackupSqliteStore(const std::string& from, const std::string& to);

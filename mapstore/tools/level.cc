@@ -7,6 +7,7 @@
 #include "mapstore/geometry/gravity.h"
 #include "mapstore/model/rotate_segment.h"
 #include "mapstore/tools/commands.h"
+#include "mapstore/tools/copy_map.h"
 #include "mapstore/tools/output.h"
 
 namespace maploc {
@@ -42,15 +43,8 @@ Result<MapKey> WriteTurned(MapStore& store, const MapInfo& before,
   MapInfo info = before;
   info.map_from_source = Similarity3{1.0, turned_from_map, {0, 0, 0}} * before.map_from_source;
   info.created_unix_ns = SystemClock().NowUnixNanos();
-  MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments,
-                          store.ListSegments(before.key));
-  MAPLOC_ASSIGN_OR_RETURN(const std::unique_ptr<MapWriter> writer, store.BeginImport(info));
-  for (const SegmentSummary& summary : segments) {
-    MAPLOC_ASSIGN_OR_RETURN(const auto segment, store.LoadSegment(before.key, summary.id));
-    MAPLOC_RETURN_IF_ERROR(writer->AddSegment(RotateSegment(turned_from_map, *segment)));
-  }
-  MAPLOC_RETURN_IF_ERROR(writer->Commit());
-  return writer->key();
+  return CopyMap(store, before.key, store, info,
+                 [&](const Segment& segment) { return RotateSegment(turned_from_map, segment); });
 }
 
 Result<Levelled> TurnMap(MapStore& store, const std::string& map,

@@ -28,6 +28,8 @@ void AddCommands(CLI::App& app, maploc::CommandContext& context) {
   maploc::AddRevokeCommand(app, context);
   maploc::AddVerifyCommand(app, context);
   maploc::AddLevelCommand(app, context);
+  maploc::AddExportCommand(app, context);
+  maploc::AddImportCommand(app, context);
   maploc::AddBackupCommand(app, context);
   maploc::AddRestoreCommand(app, context);
   maploc::AddPlotCommand(app, context);

@@ -1,0 +1,64 @@
+#include <iostream>
+
+#include "mapstore/base/clock.h"
+#include "mapstore/store/sqlite_store.h"
+#include "mapstore/tools/commands.h"
+#include "mapstore/tools/copy_map.h"
+#include "mapstore/tools/output.h"
+
+namespace maploc {
+namespace {
+
+struct ImportFlags {
+  std::string from;
+  std::string map;  // empty: the file's only one
+};
+
+Result<MapInfo> ChooseMap(const MapStore& file, const ImportFlags& flags) {
+  if (!flags.map.empty()) {
+    MAPLOC_ASSIGN_OR_RETURN(MapSummary map, file.GetMap(flags.map));
+    return std::move(map.info);
+  }
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<MapSummary> maps, file.ListMaps());
+  if (maps.size() == 1) return maps.front().info;
+  return InvalidArgument(
+      "from", "holds " + std::to_string(maps.size()) + " maps; name one of them with --map");
+}
+
+Status Import(const CommandContext& context, const ImportFlags& flags) {
+  SqliteStoreOptions existing;
+  existing.create = false;
+  MAPLOC_ASSIGN_OR_RETURN(const auto file, OpenSqliteStore(flags.from, existing));
+  MAPLOC_ASSIGN_OR_RETURN(MapInfo info, ChooseMap(*file, flags));
+  const MapKey from = info.key;
+  info.created_unix_ns = SystemClock().NowUnixNanos();
+  MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenOrCreateStore(context));
+  MAPLOC_ASSIGN_OR_RETURN(const MapKey key,
+                          CopyMap(*file, from, *store, info, [](const Segment& s) { return s; }));
+  if (context.json) {
+    PrintJson({{"map", key.name}, {"version", key.version}, {"from", flags.from}});
+  } else {
+    std::cout << "Map " << key.name << " version " << key.version << " is version " << from.version
+              << " of " << flags.from << ".\n";
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+void AddImportCommand(CLI::App& app, CommandContext& context) {
+  auto flags = std::make_shared<ImportFlags>();
+  CLI::App* command = AddCommand(
+      app, context, "import", "Takes a map out of a file that `export` wrote, or of another store",
+      "maploc-map import --store campus.db --from yard.maploc\n"
+      "The map comes as a new version of its name, and inherits what the sessions of the version "
+      "before taught.",
+      [&context, flags] { return Import(context, *flags); });
+  command->add_option("--from", flags->from, "The file; a store with this map")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--map", flags->map, "Which map, where the file holds several")
+      ->type_name("NAME");
+}
+
+}  // namespace maploc

@@ -1,0 +1,49 @@
+// A map from one store to another through a file.
+#include "tests/integration/tools/maploc_map_fixture.h"
+
+namespace maploc::testing {
+namespace {
+
+using nlohmann::json;
+
+TEST_F(MaplocMap, AnExportedMapIsTheSameInAnotherStore) {
+  const std::string file = folder_.File("yard.maploc");
+  ASSERT_EQ(Map("export --store $STORE --map yard --to " + file).exit_code, 0);
+  const std::string other = folder_.File("other.db");
+  ASSERT_EQ(Map("import --store " + other + " --from " + file).exit_code, 0);
+  EXPECT_EQ(Map("verify --store " + other).exit_code, 0);
+  const json here = Json("list --store $STORE");
+  const json there = Json("list --store " + other);
+  ASSERT_EQ(there.size(), 1u);
+  for (const char* key : {"map", "metric", "segments", "points", "lines", "usable_lines"}) {
+    EXPECT_EQ(there[0].at(key), here[0].at(key)) << key;
+  }
+  EXPECT_EQ(there[0].at("version"), 1);
+  const MapKey from = OpenSqliteStore(store_).value()->GetMap("yard")->info.key;
+  const auto segment = OpenSqliteStore(store_).value()->LoadSegment(from, 1).value();
+  const auto copy = OpenSqliteStore(other).value()->LoadSegment({"yard", 1}, 1).value();
+  EXPECT_EQ(copy->points.positions_in_map, segment->points.positions_in_map);
+  EXPECT_EQ(copy->points.descriptors.bytes, segment->points.descriptors.bytes);
+  EXPECT_EQ(copy->lines.ids, segment->lines.ids);
+}
+
+TEST_F(MaplocMap, AnImportedMapIsANewVersionAndNothingIsReplaced) {
+  const std::string file = folder_.File("yard.maploc");
+  ASSERT_EQ(Map("export --store $STORE --map yard --to " + file).exit_code, 0);
+  ExpectFails("export --store $STORE --map yard --to " + file, "exists already");
+  const std::int64_t before = OpenSqliteStore(store_).value()->GetMap("yard")->info.key.version;
+  ASSERT_EQ(Map("import --store $STORE --from " + file).exit_code, 0);
+  EXPECT_EQ(OpenSqliteStore(store_).value()->GetMap("yard")->info.key.version, before + 1);
+  EXPECT_EQ(OpenSqliteStore(store_).value()->GetSession("s")->map.version, before);
+}
+
+TEST_F(MaplocMap, OfSeveralMapsOneMustBeNamed) {
+  GiveMap(*OpenSqliteStore(store_).value(), "garden");
+  const std::string target = folder_.File("target.db");
+  ExpectFails("import --store " + target + " --from " + store_, "name one of them with --map");
+  EXPECT_EQ(Map("import --store " + target + " --map garden --from " + store_).exit_code, 0);
+  EXPECT_EQ(Json("list --store " + target)[0].at("map"), "garden");
+}
+
+}  // namespace
+}  // namespace maploc::testing
