@@ -42,6 +42,8 @@ struct ColmapPoint {
 
 struct ColmapModel {
   std::map<std::int64_t, Camera> cameras;
+  // Cameras that no image uses and that maploc cannot compute, with the reason.
+  std::map<std::int64_t, Status> unsupported_cameras;
   std::map<std::int64_t, ColmapImage> images;
   std::map<std::int64_t, ColmapPoint> points;
 };

@@ -17,7 +17,7 @@ std::string At(const std::string& path, std::int64_t line) {
 
 struct CameraRecord {
   std::int64_t id = 0;
-  Camera camera;
+  Result<Camera> camera;  // of an unsupported model: why not
 };
 
 // CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]
@@ -32,8 +32,7 @@ Result<CameraRecord> ParseCamera(std::string_view line) {
     MAPLOC_ASSIGN_OR_RETURN(const double param, fields.Number<double>("camera parameter"));
     params.push_back(param);
   }
-  MAPLOC_ASSIGN_OR_RETURN(Camera camera, MakeColmapCamera(model, width, height, std::move(params)));
-  return CameraRecord{id, std::move(camera)};
+  return CameraRecord{id, MakeColmapCamera(model, width, height, std::move(params))};
 }
 
 // IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME
@@ -143,6 +142,7 @@ Result<ColmapModel> ReadColmapTextModel(const std::string& directory) {
 Result<Camera> ParseColmapCameraLine(const std::string& line, const std::string& where) {
   Result<CameraRecord> record = ParseCamera(line);
   if (!record.ok()) return InvalidFile(where, record.status().message());
+  if (!record->camera.ok()) return InvalidFile(where, record->camera.status().message());
   return std::move(record->camera);
 }
 
