@@ -4,6 +4,7 @@
 #include <set>
 #include <string_view>
 
+#include "mapstore/formats/file_bytes.h"
 #include "mapstore/formats/text_fields.h"
 
 namespace maploc {
@@ -127,22 +128,24 @@ std::string Hex(std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 Result<LineTracks> ReadLineTracks(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) return NotFound("line-track file '" + path + "'", "FILE_NOT_FOUND");
+  MAPLOC_ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path));
   LineTracks tracks;
   std::set<std::int64_t> ids;
-  std::string line;
+  TextLines lines(text);
+  std::string_view line;
   bool has_header = false;
-  for (int number = 1; std::getline(file, line); ++number) {
-    const TextFields fields(std::string_view(line).substr(0, line.find('#')));
-    if (fields.AtEnd()) continue;
+  while (lines.NextRecord(line)) {
+    const TextFields fields(line.substr(0, line.find('#')));
     const Status status =
         has_header ? ParseTrack(fields, ids, tracks) : ParseHeader(fields, tracks);
     has_header = true;
-    if (!status.ok()) return InvalidFile(path + ":" + std::to_string(number), status.message());
+    if (!status.ok()) {
+      return InvalidFile(path + ":" + std::to_string(lines.number()), status.message());
+    }
   }
-  if (!has_header)
+  if (!has_header) {
     return InvalidFile(path, "is empty; the first line must be 'maploc-lines 1 KIND'");
+  }
   return tracks;
 }
 
