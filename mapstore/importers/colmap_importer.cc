@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mapstore/base/clock.h"
+#include "mapstore/base/names.h"
 #include "mapstore/importers/descriptor_selection.h"
 #include "mapstore/importers/frame_neighbours.h"
 #include "mapstore/importers/imported_lines.h"
@@ -24,6 +25,8 @@ constexpr double kAttachDistancePx = 1.0;
 constexpr const char* kDefaultKind = "sift_root_u8";
 
 Status CheckOptions(const ColmapImportOptions& options) {
+  if (options.map_name.empty()) return InvalidArgument("map name", "is empty");
+  MAPLOC_RETURN_IF_ERROR(CheckName("map name", options.map_name));
   if (options.meters_per_unit &&
       !(*options.meters_per_unit > 0 && *options.meters_per_unit < 1e9)) {
     return InvalidArgument("scale", "must be positive, metres a unit of the model");

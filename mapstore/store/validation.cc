@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mapstore/base/ids.h"
+#include "mapstore/base/names.h"
 
 namespace maploc {
 namespace {
@@ -37,13 +38,8 @@ bool IsSelectable(Strategy strategy) {
 
 Status ValidateMapInfo(const MapInfo& info) {
   const std::string& name = info.key.name;
-  const bool printable = std::none_of(name.begin(), name.end(), [](char c) {
-    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-  });
-  if (name.empty() || name.size() > static_cast<std::size_t>(kMaxIdBytes) || !printable) {
-    return InvalidArgument("map.name", "must have 1 to " + std::to_string(kMaxIdBytes) +
-                                           " bytes and no control characters");
-  }
+  if (name.empty()) return InvalidArgument("map.name", "is empty");
+  MAPLOC_RETURN_IF_ERROR(CheckName("map.name", name));
   MAPLOC_RETURN_IF_ERROR(ValidateKind(info.point_descriptor, "map.point_descriptor"));
   MAPLOC_RETURN_IF_ERROR(ValidateKind(info.line_descriptor, "map.line_descriptor"));
   const Similarity3& transform = info.map_from_source;

@@ -10,7 +10,7 @@
 
 namespace maploc {
 
-// Name (1 to kMaxIdBytes bytes, no control characters), kinds, and a similarity with finite
+// Name (not empty, base/names.h), kinds, and a similarity with finite
 // numbers, a positive scale and a unit rotation.
 Status ValidateMapInfo(const MapInfo& info);
 // Id (printable ASCII), that it is open, and that its times are not negative.

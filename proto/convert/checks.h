@@ -21,7 +21,7 @@ inline constexpr double kMaxPosition = 1e9;
 // "views[3]"
 std::string At(const std::string& field, std::size_t index);
 
-// At most kMaxIdBytes, no control characters (names go into logs and rows).
+// As mapstore/base/names.h has it.
 Status CheckName(const std::string& field, const std::string& value);
 // The same, and not empty.
 Status CheckRequiredName(const std::string& field, const std::string& value);

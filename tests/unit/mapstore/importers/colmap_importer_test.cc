@@ -194,6 +194,34 @@ TEST_F(ColmapImporterTest, TruncatedPhotosAreLeftOutAndNamed) {
   EXPECT_EQ(error.find('\n'), std::string::npos);
 }
 
+TEST_F(ColmapImporterTest, AMapNameThatNoStoreTakesIsRefusedBeforeTheWork) {
+  options_.model_directory = "/absent";  // would be the error if the work began
+  options_.map_name = std::string(129, 'a');
+  EXPECT_THAT(Error(), HasSubstr("map name: is 129 bytes long, at most 128 are allowed"));
+  options_.map_name =
+      "Stra\xDF"
+      "e";
+  EXPECT_THAT(Error(), HasSubstr("map name: is not UTF-8 at byte 4"));
+  options_.map_name = "";
+  EXPECT_THAT(Error(), HasSubstr("map name: is empty"));
+}
+
+// Names of files are as long and in what encoding their owner's disk has them.
+TEST_F(ColmapImporterTest, LongAndForeignImageNamesAreTaken) {
+  int count = 0;
+  for (const std::string& name : {std::string(300, 'a'), std::string("Stra\xDF"
+                                                                     "e (1).jpg")}) {
+    ColmapImage& image = model_.images.at(++count);
+    features_[name] = features_.at(image.name);
+    features_.erase(image.name);
+    image.name = name;
+  }
+  WriteFiles();
+  const Result<ColmapImportReport> report = Import();
+  ASSERT_TRUE(report.ok()) << report.status().ToString();
+  EXPECT_EQ(report->points, 60);
+}
+
 TEST_F(ColmapImporterTest, ADatabaseOfAnotherModelIsRefused) {
   features_["img3.jpg"].keypoints_px[0].x() += 2.0f;
   WriteFiles();
