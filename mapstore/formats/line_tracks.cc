@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "mapstore/formats/file_bytes.h"
+#include "mapstore/formats/foreign_lines.h"
 #include "mapstore/formats/text_fields.h"
 
 namespace maploc {
@@ -116,6 +117,20 @@ Status ParseHeader(TextFields fields, LineTracks& tracks) {
   return Status::Ok();
 }
 
+// Of their files only the start is looked at.
+Status RefuseForeignLines(const std::string& path) {
+  constexpr std::size_t kEnough = 1 << 20;
+  std::string bytes(kEnough, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(bytes.data(), kEnough);
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  const std::string name = NameForeignLines(path, bytes);
+  if (name.empty()) return Status::Ok();
+  return InvalidFile(path, "looks like " + name +
+                               ", which has no descriptors, so that nothing could match its lines; "
+                               "give --images with --lines auto, which finds lines in the photos");
+}
+
 std::string Hex(std::span<const std::uint8_t> bytes) {
   std::string hex;
   for (const std::uint8_t byte : bytes) {
@@ -128,6 +143,7 @@ std::string Hex(std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 Result<LineTracks> ReadLineTracks(const std::string& path) {
+  MAPLOC_RETURN_IF_ERROR(RefuseForeignLines(path));
   MAPLOC_ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path));
   LineTracks tracks;
   std::set<std::int64_t> ids;
