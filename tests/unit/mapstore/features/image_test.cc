@@ -48,7 +48,7 @@ TEST(LoadGrayImageTest, ReadsPixelsAndNamesABadFile) {
   EXPECT_THAT(LoadGrayImage(path).status().message(), HasSubstr(path));
 }
 
-// The decoder would fill up with grey, and the border of the grey become a line of the map.
+// The decoder would fill up with grey, and whoever asked for the picture would not know.
 TEST(LoadGrayImageTest, ACutPictureIsRefusedByName) {
   const testing::TemporaryFolder folder;
   for (const std::string extension : {"jpg", "png", "tif", "bmp", "pgm", "webp"}) {

@@ -149,6 +149,7 @@ const std::vector<Refusal>& Refusals() {
       {"RequestIdTooLong", [](R* r) { r->set_request_id(std::string(129, 'a')); }, "request_id",
        "TOO_LONG"},
       {"MapWithNewline", [](R* r) { r->set_map("ya\nrd"); }, "map", "CONTROL_CHARACTER"},
+      {"MapNotUtf8", [](R* r) { r->set_map("Stra\xDF"); }, "map", "NOT_UTF8"},
       {"NeitherMapNorSession",
        [](R* r) {
          r->clear_map();
