@@ -46,7 +46,7 @@ struct ColmapModel {
   std::map<std::int64_t, Status> unsupported_cameras;
   std::map<std::int64_t, ColmapImage> images;
   std::map<std::int64_t, ColmapPoint> points;
-  // What was read where the folder holds both forms; empty where it holds one.
+  // What was read where the folder holds both forms, or a part that is newer; else empty.
   std::string notice;
 };
 

@@ -40,17 +40,23 @@ Status Ambiguous(const std::string& directory, const std::string& newer, const s
 }
 
 // The text is read for the sake of what it says differently, and only where it is the newer one.
-Result<ColmapModel> ReadBinaryBesideText(const std::string& directory) {
+Result<ColmapModel> ReadBinaryBesideText(const std::string& directory, bool has_whole_text) {
   MAPLOC_ASSIGN_OR_RETURN(ColmapModel model, ReadColmapBinaryModel(directory));
   const std::string newer = FindNewerText(directory);
-  if (!newer.empty()) {
-    const Result<ColmapModel> text = ReadColmapTextModel(directory);
-    if (!text.ok()) return Ambiguous(directory, newer, text.status().message());
-    const std::string difference = FindModelDifference(model, *text);
-    if (!difference.empty()) return Ambiguous(directory, newer, difference);
+  const std::string read = directory + ": the model's .bin files were read; ";
+  if (!has_whole_text) {
+    if (!newer.empty()) model.notice = read + newer + " is newer, but there is no whole text model";
+    return model;
   }
-  model.notice = directory + ": the model's .bin files were read; the .txt files beside them " +
-                 (newer.empty() ? "are not newer" : "say the same");
+  if (newer.empty()) {
+    model.notice = read + "the .txt files beside them are not newer";
+    return model;
+  }
+  const Result<ColmapModel> text = ReadColmapTextModel(directory);
+  if (!text.ok()) return Ambiguous(directory, newer, text.status().message());
+  const std::string difference = FindModelDifference(model, *text);
+  if (!difference.empty()) return Ambiguous(directory, newer, difference);
+  model.notice = read + "the .txt files beside them say the same";
   return model;
 }
 
@@ -61,9 +67,7 @@ Result<ColmapModel> ReadColmapModel(const std::string& directory) {
     return NotFound("model folder '" + directory + "'", "FILE_NOT_FOUND");
   }
   const bool has_text = HasAllParts(directory, ".txt");
-  if (HasAllParts(directory, ".bin")) {
-    return has_text ? ReadBinaryBesideText(directory) : ReadColmapBinaryModel(directory);
-  }
+  if (HasAllParts(directory, ".bin")) return ReadBinaryBesideText(directory, has_text);
   if (has_text) return ReadColmapTextModel(directory);
   return InvalidFile(directory,
                      "is not a COLMAP model: it needs cameras, images and points3D, all three "

@@ -28,16 +28,16 @@ std::string_view WithoutByteOrderMark(std::string_view text) {
 }
 
 Result<std::string> ReadTextFile(const std::string& path) {
-  MAPLOC_ASSIGN_OR_RETURN(const std::string bytes, ReadFileBytes(path));
-  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {
+  MAPLOC_ASSIGN_OR_RETURN(std::string text, ReadFileBytes(path));
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
     return InvalidFile(path + ":1", "is UTF-16 text; save it as UTF-8");
   }
-  if (const std::size_t nul = bytes.find('\0'); nul != std::string::npos) {
-    const auto line = 1 + std::count(bytes.begin(), bytes.begin() + static_cast<long>(nul), '\n');
+  if (const std::size_t nul = text.find('\0'); nul != std::string::npos) {
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(nul), '\n');
     return InvalidFile(path + ":" + std::to_string(line),
                        "holds a NUL byte, so it is no text; is it a binary file, or UTF-16?");
   }
-  std::string text(WithoutByteOrderMark(bytes));
+  text.erase(0, text.size() - WithoutByteOrderMark(text).size());
   if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
   return text;
 }

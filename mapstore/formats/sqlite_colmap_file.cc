@@ -62,6 +62,7 @@ Status CheckHeader(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path)) return NotFound("database '" + path + "'", "FILE_NOT_FOUND");
   if (!std::filesystem::is_regular_file(path)) return InvalidFile(path, "is not a regular file");
+  MAPLOC_RETURN_IF_ERROR(CheckLogs(path));  // it explains what else may be wrong with the file
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   std::array<unsigned char, 100> header{};
   std::ifstream file(path, std::ios::binary);
@@ -77,7 +78,7 @@ Status CheckHeader(const std::string& path) {
     return InvalidFile(path, "is truncated: its header promises " + std::to_string(expected) +
                                  " bytes, it has " + std::to_string(size));
   }
-  return CheckLogs(path);
+  return Status::Ok();
 }
 
 }  // namespace

@@ -61,6 +61,8 @@ TEST_F(ColmapDatabaseTest, ADatabaseThatIsBeingWrittenIsRefused) {
   MakeTables();
   folder_.Write("data base#1?.db-wal", "pages");
   EXPECT_THAT(Error(), HasSubstr("write-ahead log"));
+  folder_.Write("data base#1?.db", "");  // all that was written is in the log still
+  EXPECT_THAT(Error(), HasSubstr("write-ahead log"));
 }
 
 // A program that died in a transaction: pages of its unfinished change are in the file already, and

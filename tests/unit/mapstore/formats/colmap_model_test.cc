@@ -102,6 +102,18 @@ TEST_F(ColmapModelForms, ANewerTextThatLostOrWonAPartIsRefused) {
   EXPECT_THAT(Error(), HasSubstr("points3D.txt:61: position: is missing"));
 }
 
+TEST_F(ColmapModelForms, ALoneNewerTextFileIsTold) {
+  WriteBinary();
+  WriteText(kNewer);
+  std::filesystem::remove(folder_.File("points3D.txt"));
+  const Result<ColmapModel> model = Read();
+  ASSERT_TRUE(model.ok()) << model.status().ToString();
+  EXPECT_THAT(model->notice, HasSubstr("cameras.txt is newer, but there is no whole text model"));
+  WriteText(kOlder);
+  std::filesystem::remove(folder_.File("points3D.txt"));
+  EXPECT_EQ(Read()->notice, "");
+}
+
 TEST_F(ColmapModelForms, RigsAndFramesOfColmap4AreNoHindrance) {
   WriteText(kOlder);
   folder_.Write("rigs.txt", "# Rig calib list\n1 1 CAMERA 1\n");
