@@ -9,6 +9,9 @@ namespace {
 
 using Row = std::span<const std::uint8_t>;
 
+// Fewer rows are no failed extraction but a picture without much in it.
+constexpr std::size_t kMinRows = 8;
+
 bool IsConstant(Row row) {
   return row.size() > 1 &&
          std::all_of(row.begin(), row.end(), [&](std::uint8_t byte) { return byte == row[0]; });
@@ -44,11 +47,12 @@ std::string FindDescriptorFault(std::span<const std::uint8_t> bytes, std::size_t
   }
   const std::string count = std::to_string(rows);
   const std::string again = "; extract the features of this image again";
-  if (2 * constant > rows) {
+  if (rows >= kMinRows && 2 * constant > rows) {
     return std::to_string(constant) + " of its " + count + " descriptors are one byte repeated" +
            again;
   }
-  if (rows > 1 && like_first == rows) return "its " + count + " descriptors are all equal" + again;
+  if (rows >= kMinRows && like_first == rows)
+    return "its " + count + " descriptors are all equal" + again;
   if (2 * unit_floats > rows) {
     return "its descriptors are " + std::to_string(columns / sizeof(float)) +
            " float32 each (learned features), for which there is no kind; give --images and "
