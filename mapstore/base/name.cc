@@ -39,7 +39,13 @@ Status CheckName(std::string_view field, std::string_view name) {
   while (left > 0) {
     utf8proc_int32_t code_point = 0;
     const utf8proc_ssize_t read = utf8proc_iterate(next, left, &code_point);
-    if (read <= 0) return InvalidArgument(field, "is not UTF-8", "NOT_UTF8");
+    if (read <= 0) {
+      const auto at = static_cast<utf8proc_ssize_t>(name.size()) - left;
+      return InvalidArgument(field,
+                             "is not UTF-8 at byte " + std::to_string(at) +
+                                 "; is it of a terminal or a file with another encoding?",
+                             "NOT_UTF8");
+    }
     if (IsControl(code_point)) {
       return InvalidArgument(field, "holds a control character", "CONTROL_CHARACTER");
     }

@@ -1,22 +1,67 @@
 #include "mapstore/features/image.h"
 
+#include <algorithm>
+#include <bit>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "mapstore/features/image_end.h"
+
 namespace maploc {
+namespace {
+
+Status CheckEnd(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  if (!EndsEarly(bytes)) return Status::Ok();
+  return Status(StatusCode::kInvalidArgument, std::string(kTruncatedImage),
+                path + ": is truncated: the file stops before the picture's end; copy it again");
+}
+
+// Sensors of 10, 12 and 14 bits are stored in the low bits of 16: the highest bit in use becomes
+// the highest of 8.
+void TakeUsedBits(const cv::Mat& wide, std::vector<std::uint8_t>& pixels) {
+  std::uint16_t highest = 0;
+  for (int y = 0; y < wide.rows; ++y) {
+    const std::uint16_t* row = wide.ptr<std::uint16_t>(y);
+    highest = std::max(highest, *std::max_element(row, row + wide.cols));
+  }
+  const int shift = std::max(0, std::bit_width(highest) - 8);
+  for (int y = 0; y < wide.rows; ++y) {
+    const std::uint16_t* row = wide.ptr<std::uint16_t>(y);
+    std::transform(row, row + wide.cols, std::back_inserter(pixels),
+                   [=](std::uint16_t value) { return static_cast<std::uint8_t>(value >> shift); });
+  }
+}
+
+cv::Mat Decode(const std::string& path) {
+  const int flags = cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION;
+  cv::Mat decoded = cv::imread(path, flags | cv::IMREAD_ANYDEPTH);
+  const bool is_known = decoded.empty() || decoded.depth() == CV_8U || decoded.depth() == CV_16U;
+  return is_known ? decoded : cv::imread(path, flags);  // OpenCV's own way with floating point
+}
+
+}  // namespace
 
 Result<GrayImage> LoadGrayImage(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) return InvalidFile(path, "is not there");
+  MAPLOC_RETURN_IF_ERROR(CheckEnd(path));
   cv::Mat decoded;
   try {
-    decoded = cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    decoded = Decode(path);
   } catch (const cv::Exception& error) {  // OpenCV's bound on an image's pixels
     return InvalidFile(path, "cannot be decoded: " + error.err);
   }
   if (decoded.empty()) return InvalidFile(path, "is not an image that OpenCV can read");
   GrayImage image{decoded.cols, decoded.rows, {}};
   image.pixels.reserve(decoded.total());
+  if (decoded.depth() == CV_16U) {
+    TakeUsedBits(decoded, image.pixels);
+    return image;
+  }
   for (int y = 0; y < decoded.rows; ++y) {
     const std::uint8_t* row = decoded.ptr<std::uint8_t>(y);
     image.pixels.insert(image.pixels.end(), row, row + decoded.cols);

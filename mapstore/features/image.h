@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mapstore/base/status.h"
@@ -16,8 +17,12 @@ struct GrayImage {
   std::vector<std::uint8_t> pixels;  // width_px * height_px
 };
 
+// The reason of an error that means a JPEG or PNG without its end.
+inline constexpr std::string_view kTruncatedImage = "TRUNCATED_IMAGE";
+
 // Any format OpenCV reads, as stored (an orientation tag is ignored: calibrations are of the stored
-// pixels). Error: names the file.
+// pixels). Of 16 bits a pixel the eight below the highest one in use are taken. Error: names the
+// file.
 Result<GrayImage> LoadGrayImage(const std::string& path);
 
 }  // namespace maploc

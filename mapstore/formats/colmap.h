@@ -42,12 +42,17 @@ struct ColmapPoint {
 
 struct ColmapModel {
   std::map<std::int64_t, Camera> cameras;
+  // Cameras that no image uses and that maploc cannot compute, with the reason.
+  std::map<std::int64_t, Status> unsupported_cameras;
   std::map<std::int64_t, ColmapImage> images;
   std::map<std::int64_t, ColmapPoint> points;
+  // What was read where the folder holds both forms, or a part that is newer; else empty.
+  std::string notice;
 };
 
-// Reads DIR/{cameras,images,points3D}.{bin,txt}; binary where both stand. A model without points (a
-// session of reference poses) is fine.
+// Reads DIR/{cameras,images,points3D}.{bin,txt}; as COLMAP does, binary where both stand. A text
+// file that is newer than its binary one may be an edit that is meant: then both are read, and
+// models that differ are refused. A model without points (a session of reference poses) is fine.
 Result<ColmapModel> ReadColmapModel(const std::string& directory);
 
 // One line of cameras.txt: "1 PINHOLE 1536 1024 fx fy cx cy". `where` names it in errors.

@@ -12,7 +12,7 @@ namespace maploc {
 namespace {
 
 // The least that one record takes in its file.
-constexpr std::size_t kMinCameraBytes = 4 + 4 + 8 + 8 + 3 * 8;
+constexpr std::size_t kMinCameraBytes = 4 + 4 + 8 + 8 + 2 * 8;
 constexpr std::size_t kMinImageBytes = 4 + 7 * 8 + 4 + 1 + 8;
 constexpr std::size_t kKeypointBytes = 8 + 8 + 8;
 constexpr std::size_t kMinPointBytes = 8 + 3 * 8 + 3 + 8 + 8;
@@ -25,19 +25,23 @@ std::string At(const std::string& path, std::size_t offset) {
 Status ReadCamera(ByteReader& reader, ColmapModel& model) {
   MAPLOC_ASSIGN_OR_RETURN(const auto id, reader.Read<std::uint32_t>("camera id"));
   MAPLOC_ASSIGN_OR_RETURN(const auto model_id, reader.Read<std::int32_t>("camera model"));
-  const std::string name = ColmapModelName(model_id);
-  const std::optional<CameraModel> known = CameraModelFromName(name);
+  const std::string_view name = ColmapModelName(model_id);
+  if (name.empty()) {
+    return InvalidArgument("camera model",
+                           "'number " + std::to_string(model_id) +
+                               "' is unknown, and so is how many parameters to skip; is the file "
+                               "damaged, or newer than COLMAP 4? `colmap model_converter "
+                               "--output_type TXT` writes one that tells");
+  }
   MAPLOC_ASSIGN_OR_RETURN(const auto width, reader.Read<std::uint64_t>("camera width"));
   MAPLOC_ASSIGN_OR_RETURN(const auto height, reader.Read<std::uint64_t>("camera height"));
-  std::vector<double> params(known ? static_cast<std::size_t>(CameraParamCount(*known)) : 0);
+  std::vector<double> params(static_cast<std::size_t>(ColmapParamCount(model_id)));
   for (double& param : params) {
     MAPLOC_ASSIGN_OR_RETURN(param, reader.Read<double>("camera parameter"));
   }
-  MAPLOC_ASSIGN_OR_RETURN(
-      Camera camera, MakeColmapCamera(name.empty() ? "number " + std::to_string(model_id) : name,
-                                      static_cast<std::int64_t>(width),
-                                      static_cast<std::int64_t>(height), std::move(params)));
-  return AddColmapCamera(model, id, std::move(camera));
+  return AddColmapCamera(model, id,
+                         MakeColmapCamera(name, static_cast<std::int64_t>(width),
+                                          static_cast<std::int64_t>(height), std::move(params)));
 }
 
 Status ReadKeypoints(ByteReader& reader, ColmapImage& image) {

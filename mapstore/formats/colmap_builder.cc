@@ -8,19 +8,6 @@
 namespace maploc {
 namespace {
 
-constexpr std::array<const char*, 12> kColmapModels = {"SIMPLE_PINHOLE",
-                                                       "PINHOLE",
-                                                       "SIMPLE_RADIAL",
-                                                       "RADIAL",
-                                                       "OPENCV",
-                                                       "OPENCV_FISHEYE",
-                                                       "FULL_OPENCV",
-                                                       "FOV",
-                                                       "SIMPLE_RADIAL_FISHEYE",
-                                                       "RADIAL_FISHEYE",
-                                                       "THIN_PRISM_FISHEYE",
-                                                       "RAD_TAN_THIN_PRISM_FISHEYE"};
-
 template <typename Vector>
 bool IsSane(const Vector& v) {
   return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxColmapCoordinate;
@@ -43,34 +30,6 @@ Status CheckObservation(const ColmapModel& model, const ColmapPoint::Observation
 
 }  // namespace
 
-std::string ColmapModelName(std::int64_t model_id) {
-  if (model_id < 0 || model_id >= static_cast<std::int64_t>(kColmapModels.size())) return "";
-  return kColmapModels[static_cast<std::size_t>(model_id)];
-}
-
-Result<Camera> MakeColmapCamera(std::string_view model_name, std::int64_t width_px,
-                                std::int64_t height_px, std::vector<double> params) {
-  const std::optional<CameraModel> model = CameraModelFromName(model_name);
-  if (!model) {
-    return InvalidArgument("camera model",
-                           Quoted(model_name) +
-                               " is not supported; supported are SIMPLE_PINHOLE, PINHOLE, "
-                               "SIMPLE_RADIAL, RADIAL, OPENCV and OPENCV_FISHEYE");
-  }
-  if (width_px < 1 || width_px > kMaxImageSidePx || height_px < 1 || height_px > kMaxImageSidePx) {
-    return InvalidArgument("camera size", "sides must be in [1, 65536] pixels");
-  }
-  if (static_cast<int>(params.size()) == CameraParamCount(*model)) {
-    const bool two_focals = *model == CameraModel::kPinhole || *model == CameraModel::kOpenCv ||
-                            *model == CameraModel::kOpenCvFisheye;
-    const std::size_t cx = two_focals ? 2 : 1;
-    params[cx] -= 0.5;
-    params[cx + 1] -= 0.5;
-  }
-  return Camera::Create(*model, static_cast<int>(width_px), static_cast<int>(height_px),
-                        std::move(params));
-}
-
 Result<Rigid3> MakeColmapPose(const std::array<double, 7>& v) {
   const Eigen::Quaterniond rotation(v[0], v[1], v[2], v[3]);
   const Eigen::Vector3d translation(v[4], v[5], v[6]);
@@ -82,10 +41,16 @@ Result<Rigid3> MakeColmapPose(const std::array<double, 7>& v) {
   return Rigid3{rotation.normalized(), translation};
 }
 
-Status AddColmapCamera(ColmapModel& model, std::int64_t id, Camera camera) {
+Status AddColmapCamera(ColmapModel& model, std::int64_t id, Result<Camera> camera) {
+  if (!camera.ok() && camera.status().reason() != kUnsupportedCameraModel) return camera.status();
   if (id < 0) return InvalidArgument("camera id", "is negative");
-  if (!model.cameras.emplace(id, std::move(camera)).second) {
+  if (model.cameras.contains(id) || model.unsupported_cameras.contains(id)) {
     return InvalidArgument("camera id", std::to_string(id) + " stands twice");
+  }
+  if (camera.ok()) {
+    model.cameras.emplace(id, *std::move(camera));
+  } else {
+    model.unsupported_cameras.emplace(id, camera.status());
   }
   return Status::Ok();
 }
@@ -93,6 +58,10 @@ Status AddColmapCamera(ColmapModel& model, std::int64_t id, Camera camera) {
 Status AddColmapImage(ColmapModel& model, ColmapImage image) {
   if (image.id < 0) return InvalidArgument("image id", "is negative");
   if (image.name.empty()) return InvalidArgument("image name", "is missing");
+  if (const auto unsupported = model.unsupported_cameras.find(image.camera_id);
+      unsupported != model.unsupported_cameras.end()) {
+    return unsupported->second.WithContext("camera " + std::to_string(image.camera_id));
+  }
   if (!model.cameras.contains(image.camera_id)) {
     return InvalidArgument("camera id",
                            std::to_string(image.camera_id) + " is not among the cameras");

@@ -11,25 +11,19 @@
 #include <vector>
 
 #include "mapstore/formats/colmap.h"
+#include "mapstore/formats/colmap_camera_models.h"
 
 namespace maploc {
 
 // Coordinates beyond this are garbage, and squares of them would overflow later on.
 inline constexpr double kMaxColmapCoordinate = 1e12;
 
-// COLMAP's names of its camera models by number, also of those that maploc refuses; "" beyond.
-std::string ColmapModelName(std::int64_t model_id);
-
-// `model_name` as COLMAP spells it; `params` as the file has them: the half pixel is taken off
-// here.
-Result<Camera> MakeColmapCamera(std::string_view model_name, std::int64_t width_px,
-                                std::int64_t height_px, std::vector<double> params);
-
 // From the quaternion w, x, y, z (any norm but 0) and translation of an image.
 Result<Rigid3> MakeColmapPose(const std::array<double, 7>& wxyz_and_translation);
 
-Status AddColmapCamera(ColmapModel& model, std::int64_t id, Camera camera);
-// Its camera must be there already.
+// `camera` as MakeColmapCamera left it: one of an unsupported model is kept aside.
+Status AddColmapCamera(ColmapModel& model, std::int64_t id, Result<Camera> camera);
+// Its camera must be there already, and be supported.
 Status AddColmapImage(ColmapModel& model, ColmapImage image);
 // Its images must be there already.
 Status AddColmapPoint(ColmapModel& model, ColmapPoint point);

@@ -17,7 +17,7 @@ std::string At(const std::string& path, std::int64_t line) {
 
 struct CameraRecord {
   std::int64_t id = 0;
-  Camera camera;
+  Result<Camera> camera;  // of an unsupported model: why not
 };
 
 // CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]
@@ -32,8 +32,7 @@ Result<CameraRecord> ParseCamera(std::string_view line) {
     MAPLOC_ASSIGN_OR_RETURN(const double param, fields.Number<double>("camera parameter"));
     params.push_back(param);
   }
-  MAPLOC_ASSIGN_OR_RETURN(Camera camera, MakeColmapCamera(model, width, height, std::move(params)));
-  return CameraRecord{id, std::move(camera)};
+  return CameraRecord{id, MakeColmapCamera(model, width, height, std::move(params))};
 }
 
 // IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME
@@ -75,7 +74,7 @@ Result<ColmapPoint> ParsePoint(std::string_view line) {
   for (int channel = 0; channel < 3; ++channel) {
     MAPLOC_ASSIGN_OR_RETURN([[maybe_unused]] const int value, fields.Number<int>("color"));
   }
-  MAPLOC_ASSIGN_OR_RETURN(point.error_px, fields.Number<double>("error"));
+  MAPLOC_ASSIGN_OR_RETURN(point.error_px, fields.AnyNumber<double>("error"));
   while (!fields.AtEnd()) {
     ColmapPoint::Observation observation;
     MAPLOC_ASSIGN_OR_RETURN(observation.image_id, fields.Number<std::int64_t>("track's image id"));
@@ -88,7 +87,7 @@ Result<ColmapPoint> ParsePoint(std::string_view line) {
 // Calls `parse` for each record of the file and gives its error the place.
 Status ForEachRecord(const std::string& path,
                      const std::function<Status(std::string_view, TextLines&)>& parse) {
-  MAPLOC_ASSIGN_OR_RETURN(const std::string text, ReadFileBytes(path));
+  MAPLOC_ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path));
   TextLines lines(text);
   std::string_view line;
   while (lines.NextRecord(line)) {
@@ -106,14 +105,27 @@ Status ReadCameras(const std::string& path, ColmapModel& model) {
   });
 }
 
+// The very next line, which is blank for an image without keypoints. Some programs leave that blank
+// line out: what is no list of keypoints but the next image's header is left to be read again.
+Status ReadKeypoints(TextLines& lines, ColmapImage& image) {
+  const TextLines before = lines;
+  std::string_view line;
+  if (!lines.Next(line)) return Status::Ok();
+  const Status status = ParseKeypoints(line, image);
+  if (status.ok() || !ParseImageHeader(line).ok()) return status;
+  lines = before;
+  image.keypoints_px.clear();
+  image.point_ids.clear();
+  return Status::Ok();
+}
+
 using ImageLines = std::unordered_map<std::int64_t, std::int64_t>;
 
 Status ReadImages(const std::string& path, ColmapModel& model, ImageLines& image_lines) {
   return ForEachRecord(path, [&](std::string_view line, TextLines& lines) -> Status {
     MAPLOC_ASSIGN_OR_RETURN(ColmapImage image, ParseImageHeader(line));
     const std::int64_t id = image.id;
-    std::string_view keypoints;  // the very next line, which is blank for an image without any
-    if (lines.Next(keypoints)) MAPLOC_RETURN_IF_ERROR(ParseKeypoints(keypoints, image));
+    MAPLOC_RETURN_IF_ERROR(ReadKeypoints(lines, image));
     image_lines[id] = lines.number();
     return AddColmapImage(model, std::move(image));
   });
@@ -141,8 +153,9 @@ Result<ColmapModel> ReadColmapTextModel(const std::string& directory) {
 }
 
 Result<Camera> ParseColmapCameraLine(const std::string& line, const std::string& where) {
-  Result<CameraRecord> record = ParseCamera(line);
+  Result<CameraRecord> record = ParseCamera(WithoutByteOrderMark(line));
   if (!record.ok()) return InvalidFile(where, record.status().message());
+  if (!record->camera.ok()) return InvalidFile(where, record->camera.status().message());
   return std::move(record->camera);
 }
 

@@ -21,23 +21,64 @@ using Values = std::map<std::string, Value, std::less<>>;
 constexpr std::array<std::string_view, 5> kKeys = {"camera_model", "intrinsics", "distortion_model",
                                                    "distortion_coefficients", "resolution"};
 
-// The top-level "key: value" lines that matter; comments are cut off.
+// The text without a comment, blanks and quotes around it.
+std::string_view Trim(std::string_view text) {
+  for (std::size_t hash = text.find('#'); hash != std::string_view::npos;
+       hash = text.find('#', hash + 1)) {
+    if (hash > 0 && text[hash - 1] != ' ' && text[hash - 1] != '\t') continue;
+    text = text.substr(0, hash);
+    break;
+  }
+  text = TextFields(text).Rest();
+  if (text.size() < 2 || (text.front() != '"' && text.front() != '\'')) return text;
+  return text.front() == text.back() ? text.substr(1, text.size() - 2) : text;
+}
+
+// A key that matters, "" for others. Kalibr has another word for EuRoC's.
+std::string_view FindKey(std::string_view text) {
+  if (text == "distortion_coeffs") text = "distortion_coefficients";
+  const auto* found = std::find(kKeys.begin(), kKeys.end(), text);
+  return found == kKeys.end() ? std::string_view() : *found;
+}
+
+// A list that goes on in the next lines, in brackets or with a dash before each element, becomes
+// one in brackets.
+void ReadRestOfList(TextLines& lines, std::string& value) {
+  const bool is_block = value.empty();
+  TextLines next = lines;
+  std::string_view line;
+  while (is_block || (value.front() == '[' && value.back() != ']')) {
+    if (!next.NextRecord(line)) break;
+    const std::string_view element = Trim(line);
+    if (element.find(':') != std::string_view::npos) break;  // the next key
+    if (is_block && !element.starts_with("- ")) break;
+    if (is_block) value += value.empty() ? "" : ", ";
+    value += is_block ? element.substr(2) : " " + std::string(element);
+    lines = next;
+  }
+  if (is_block) value = "[" + value + "]";
+}
+
+// The "key: value" lines that matter, however deep they stand.
 Result<Values> ReadKeys(const std::string& path) {
-  MAPLOC_ASSIGN_OR_RETURN(const std::string text, ReadFileBytes(path));
+  MAPLOC_ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path));
   Values values;
   TextLines lines(text);
   std::string_view line;
   while (lines.NextRecord(line)) {
-    line = line.substr(0, line.find('#'));
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos) continue;
-    const std::string_view key = line.substr(0, colon);
-    if (std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end()) continue;
-    const std::string where = path + ":" + std::to_string(lines.number());
-    Value value{std::string(TextFields(line.substr(colon + 1)).Rest()), where};
-    if (!values.emplace(std::string(key), std::move(value)).second) {
-      return InvalidFile(where, std::string(key) + " stands twice");
+    const std::string_view key = FindKey(Trim(line.substr(0, colon)));
+    if (key.empty()) continue;
+    Value value{std::string(Trim(line.substr(colon + 1))),
+                path + ":" + std::to_string(lines.number())};
+    if (values.contains(key)) {
+      return InvalidFile(value.where, std::string(key) +
+                                          " stands twice; a file of several cameras must be cut "
+                                          "into one each");
     }
+    ReadRestOfList(lines, value.text);
+    values.emplace(std::string(key), std::move(value));
   }
   for (const std::string_view key : kKeys) {
     if (!values.contains(key)) {
@@ -76,11 +117,12 @@ Result<CameraModel> ParseModel(const Values& values) {
                        "camera_model '" + projection.text + "' is not supported; pinhole is");
   }
   const Value& distortion = values.find("distortion_model")->second;
-  if (distortion.text == "radial-tangential") return CameraModel::kOpenCv;
-  if (distortion.text == "equidistant") return CameraModel::kOpenCvFisheye;
+  const std::string& name = distortion.text;
+  if (name == "radial-tangential" || name == "radtan") return CameraModel::kOpenCv;
+  if (name == "equidistant" || name == "equi") return CameraModel::kOpenCvFisheye;
   return InvalidFile(distortion.where, "distortion_model '" + distortion.text +
-                                           "' is not supported; radial-tangential and "
-                                           "equidistant are");
+                                           "' is not supported; radial-tangential (radtan) "
+                                           "and equidistant (equi) are");
 }
 
 }  // namespace
@@ -102,7 +144,9 @@ Result<Camera> ReadEurocSensorYaml(const std::string& path) {
   params.insert(params.end(), distortion.begin(), distortion.end());
   Result<Camera> camera = Camera::Create(model, static_cast<int>(sides[0]),
                                          static_cast<int>(sides[1]), std::move(params));
-  if (!camera.ok()) return InvalidFile(path, camera.status().message());
+  if (!camera.ok()) {
+    return InvalidFile(values.find("intrinsics")->second.where, camera.status().message());
+  }
   return camera;
 }
 

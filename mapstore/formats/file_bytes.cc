@@ -1,5 +1,6 @@
 #include "mapstore/formats/file_bytes.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -18,6 +19,27 @@ Result<std::string> ReadFileBytes(const std::string& path) {
     return InvalidFile(path, "cannot be read to its end; check its permissions");
   }
   return bytes;
+}
+
+std::string_view WithoutByteOrderMark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
+  return text;
+}
+
+Result<std::string> ReadTextFile(const std::string& path) {
+  MAPLOC_ASSIGN_OR_RETURN(std::string text, ReadFileBytes(path));
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
+    return InvalidFile(path + ":1", "is UTF-16 text; save it as UTF-8");
+  }
+  if (const std::size_t nul = text.find('\0'); nul != std::string::npos) {
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(nul), '\n');
+    return InvalidFile(path + ":" + std::to_string(line),
+                       "holds a NUL byte, so it is no text; is it a binary file, or UTF-16?");
+  }
+  text.erase(0, text.size() - WithoutByteOrderMark(text).size());
+  if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
+  return text;
 }
 
 }  // namespace maploc

@@ -1,7 +1,8 @@
-// A whole file in memory. Only for this folder.
+// A whole file in memory, as bytes or as text. Only for this folder.
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "mapstore/base/status.h"
 
@@ -10,5 +11,12 @@ namespace maploc {
 // NOT_FOUND (FILE_NOT_FOUND) for a missing one; INVALID_FILE for what is not a regular file or
 // cannot be read to its end.
 Result<std::string> ReadFileBytes(const std::string& path);
+
+// As above, for text: a UTF-8 byte order mark is taken off, and where CR alone ends the lines (old
+// Macs) it becomes LF. INVALID_FILE, with the line, for what is no text of one byte a character.
+Result<std::string> ReadTextFile(const std::string& path);
+
+// `text` without the mark that some editors put before UTF-8.
+std::string_view WithoutByteOrderMark(std::string_view text);
 
 }  // namespace maploc

@@ -4,6 +4,8 @@
 #include <set>
 #include <string_view>
 
+#include "mapstore/formats/file_bytes.h"
+#include "mapstore/formats/foreign_lines.h"
 #include "mapstore/formats/text_fields.h"
 
 namespace maploc {
@@ -115,6 +117,20 @@ Status ParseHeader(TextFields fields, LineTracks& tracks) {
   return Status::Ok();
 }
 
+// Of their files only the start is looked at.
+Status RefuseForeignLines(const std::string& path) {
+  constexpr std::size_t kEnough = 1 << 20;
+  std::string bytes(kEnough, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(bytes.data(), kEnough);
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  const std::string name = NameForeignLines(path, bytes);
+  if (name.empty()) return Status::Ok();
+  return InvalidFile(path, "looks like " + name +
+                               ", which has no descriptors, so that nothing could match its lines; "
+                               "give --images with --lines auto, which finds lines in the photos");
+}
+
 std::string Hex(std::span<const std::uint8_t> bytes) {
   std::string hex;
   for (const std::uint8_t byte : bytes) {
@@ -127,22 +143,25 @@ std::string Hex(std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 Result<LineTracks> ReadLineTracks(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) return NotFound("line-track file '" + path + "'", "FILE_NOT_FOUND");
+  MAPLOC_RETURN_IF_ERROR(RefuseForeignLines(path));
+  MAPLOC_ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path));
   LineTracks tracks;
   std::set<std::int64_t> ids;
-  std::string line;
+  TextLines lines(text);
+  std::string_view line;
   bool has_header = false;
-  for (int number = 1; std::getline(file, line); ++number) {
-    const TextFields fields(std::string_view(line).substr(0, line.find('#')));
-    if (fields.AtEnd()) continue;
+  while (lines.NextRecord(line)) {
+    const TextFields fields(line.substr(0, line.find('#')));
     const Status status =
         has_header ? ParseTrack(fields, ids, tracks) : ParseHeader(fields, tracks);
     has_header = true;
-    if (!status.ok()) return InvalidFile(path + ":" + std::to_string(number), status.message());
+    if (!status.ok()) {
+      return InvalidFile(path + ":" + std::to_string(lines.number()), status.message());
+    }
   }
-  if (!has_header)
+  if (!has_header) {
     return InvalidFile(path, "is empty; the first line must be 'maploc-lines 1 KIND'");
+  }
   return tracks;
 }
 

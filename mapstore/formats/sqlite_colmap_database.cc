@@ -1,19 +1,35 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include "mapstore/formats/colmap.h"
+#include "mapstore/formats/descriptor_faults.h"
 #include "mapstore/formats/sqlite_colmap_file.h"
 
 namespace maploc {
 namespace {
 
 constexpr std::int64_t kMaxRows = 10'000'000;  // keypoints of one image
-constexpr const char* kQuery =
-    "SELECT i.image_id, i.name, k.rows, k.cols, k.data, d.rows, d.cols, d.data FROM images i "
-    "LEFT JOIN keypoints k ON k.image_id = i.image_id "
+// Between the two stands the descriptors' type, which COLMAP has since version 4.
+constexpr std::string_view kSelect =
+    "SELECT i.image_id, i.name, k.rows, k.cols, k.data, d.rows, d.cols, d.data, ";
+constexpr std::string_view kFrom =
+    " FROM images i LEFT JOIN keypoints k ON k.image_id = i.image_id "
     "LEFT JOIN descriptors d ON d.image_id = i.image_id ORDER BY i.image_id";
+
+// What COLMAP 4's descriptors.type says of learned features; "" of those that bytes alone may
+// tell: SIFT (0), undefined (-1), and databases without the column.
+std::string LearnedFeatures(sqlite3_stmt* row, int column) {
+  constexpr std::array<const char*, 2> kNames = {"ALIKED_N16ROT", "ALIKED_N32"};
+  if (sqlite3_column_type(row, column) == SQLITE_NULL) return "";
+  const std::int64_t type = sqlite3_column_int64(row, column);
+  if (type == 0 || type == -1) return "";
+  if (type == 1 || type == 2) return kNames[static_cast<std::size_t>(type - 1)];
+  return "features of type " + std::to_string(type);
+}
 
 class Reader {
  public:
@@ -22,7 +38,10 @@ class Reader {
 
   Result<std::map<std::string, ColmapFeatures>> Read() {
     MAPLOC_RETURN_IF_ERROR(CheckTables());
-    MAPLOC_ASSIGN_OR_RETURN(const ColmapStatement statement, file_.Prepare(kQuery));
+    MAPLOC_ASSIGN_OR_RETURN(const bool has_type, file_.HasColumns("descriptors", "'type'", 1));
+    const std::string query =
+        std::string(kSelect) + (has_type ? "d.type" : "NULL") + std::string(kFrom);
+    MAPLOC_ASSIGN_OR_RETURN(const ColmapStatement statement, file_.Prepare(query.c_str()));
     std::map<std::string, ColmapFeatures> images;
     int code = SQLITE_ROW;
     while ((code = sqlite3_step(statement.get())) == SQLITE_ROW) {
@@ -49,8 +68,9 @@ class Reader {
                        "descriptors");
   }
 
-  Status RowError(const char* table, std::int64_t image_id, const std::string& message) const {
-    return file_.RowError(table, image_id, message);
+  Status RowError(const char* table, const ColmapFeatures& image,
+                  const std::string& message) const {
+    return file_.RowError(table, image.image_id, image.name.c_str(), message);
   }
 
   Result<ColmapFeatures> ReadImage(sqlite3_stmt* row) {
@@ -58,7 +78,7 @@ class Reader {
     features.image_id = sqlite3_column_int64(row, 0);
     const auto* name = reinterpret_cast<const char*>(sqlite3_column_text(row, 1));
     if (name == nullptr || *name == '\0') {
-      return RowError("images", features.image_id, "has no name");
+      return file_.RowError("images", features.image_id, nullptr, "has no name");
     }
     features.name = name;
     MAPLOC_RETURN_IF_ERROR(ReadKeypoints(row, features));
@@ -73,17 +93,17 @@ class Reader {
     std::int64_t cols = 0;
     const void* data = nullptr;
   };
-  Result<Block> ReadBlock(sqlite3_stmt* row, int first, const char* table, std::int64_t image_id,
-                          std::int64_t bytes_each) const {
+  Result<Block> ReadBlock(sqlite3_stmt* row, int first, const char* table,
+                          const ColmapFeatures& image, std::int64_t bytes_each) const {
     Block block{sqlite3_column_int64(row, first), sqlite3_column_int64(row, first + 1),
                 sqlite3_column_blob(row, first + 2)};
     if (block.rows < 0 || block.rows > kMaxRows || block.cols < 0 || block.cols > 4096) {
-      return RowError(table, image_id, "its rows or cols are out of range");
+      return RowError(table, image, "its rows or cols are out of range");
     }
     const std::int64_t expected = block.rows * block.cols * bytes_each;
     const std::int64_t actual = sqlite3_column_bytes(row, first + 2);
     if (actual != expected) {
-      return RowError(table, image_id,
+      return RowError(table, image,
                       "its data has " + std::to_string(actual) + " bytes, rows and cols say " +
                           std::to_string(expected));
     }
@@ -91,17 +111,18 @@ class Reader {
   }
 
   Status ReadKeypoints(sqlite3_stmt* row, ColmapFeatures& features) const {
-    const std::int64_t id = features.image_id;
-    MAPLOC_ASSIGN_OR_RETURN(const Block block, ReadBlock(row, 2, "keypoints", id, sizeof(float)));
+    MAPLOC_ASSIGN_OR_RETURN(const Block block,
+                            ReadBlock(row, 2, "keypoints", features, sizeof(float)));
     if (block.rows > 0 && block.cols != 2 && block.cols != 4 && block.cols != 6) {
-      return RowError("keypoints", id, "cols is " + std::to_string(block.cols) + ", not 2, 4 or 6");
+      return RowError("keypoints", features,
+                      "cols is " + std::to_string(block.cols) + ", not 2, 4 or 6");
     }
     features.points.keypoints_px.reserve(static_cast<std::size_t>(block.rows));
     for (std::int64_t i = 0; i < block.rows; ++i) {
       std::array<float, 2> xy;
       std::memcpy(xy.data(), static_cast<const float*>(block.data) + i * block.cols, sizeof(xy));
       if (!std::isfinite(xy[0]) || !std::isfinite(xy[1])) {
-        return RowError("keypoints", id, "keypoint " + std::to_string(i) + " is not finite");
+        return RowError("keypoints", features, "keypoint " + std::to_string(i) + " is not finite");
       }
       features.points.keypoints_px.emplace_back(xy[0] - 0.5f, xy[1] - 0.5f);
     }
@@ -109,33 +130,50 @@ class Reader {
   }
 
   Status ReadDescriptors(sqlite3_stmt* row, ColmapFeatures& features) {
-    const std::int64_t id = features.image_id;
-    MAPLOC_ASSIGN_OR_RETURN(const Block block, ReadBlock(row, 5, "descriptors", id, 1));
-    const auto keypoints = static_cast<std::int64_t>(features.points.keypoints_px.size());
-    if (block.rows != keypoints) {
-      return RowError("descriptors", id,
-                      "has " + std::to_string(block.rows) + " rows, but there are " +
-                          std::to_string(keypoints) + " keypoints");
-    }
-    if (block.rows > 0) MAPLOC_RETURN_IF_ERROR(SettleKind(block.cols, id));
+    MAPLOC_ASSIGN_OR_RETURN(const Block block, ReadBlock(row, 5, "descriptors", features, 1));
+    MAPLOC_RETURN_IF_ERROR(CheckDescriptors(row, block, features));
+    if (block.rows > 0) MAPLOC_RETURN_IF_ERROR(SettleKind(block.cols, features));
     const auto* bytes = static_cast<const std::uint8_t*>(block.data);
     features.points.descriptors.bytes.assign(bytes, bytes + block.rows * block.cols);
     if (kind_) features.points.descriptors.kind = *kind_;
     return Status::Ok();
   }
 
+  Status CheckDescriptors(sqlite3_stmt* row, const Block& block,
+                          const ColmapFeatures& features) const {
+    const auto keypoints = static_cast<std::int64_t>(features.points.keypoints_px.size());
+    if (block.rows != keypoints) {
+      const std::string cure =
+          block.rows == 0 ? "; give --images --triangulate in place of --database" : "";
+      return RowError("descriptors", features,
+                      "has " + std::to_string(block.rows) + " rows, but there are " +
+                          std::to_string(keypoints) + " keypoints" + cure);
+    }
+    if (const std::string learned = LearnedFeatures(row, 8); !learned.empty()) {
+      return RowError("descriptors", features,
+                      "holds " + learned +
+                          " (float32), for which there is no kind; give --images --triangulate in "
+                          "place of --database, or extract with --FeatureExtraction.type SIFT");
+    }
+    const std::span bytes(static_cast<const std::uint8_t*>(block.data),
+                          static_cast<std::size_t>(block.rows * block.cols));
+    const std::string fault = FindDescriptorFault(bytes, static_cast<std::size_t>(block.cols));
+    return fault.empty() ? Status::Ok() : RowError("descriptors", features, fault);
+  }
+
   // The first image with features decides what the others must be.
-  Status SettleKind(std::int64_t cols, std::int64_t image_id) {
+  Status SettleKind(std::int64_t cols, const ColmapFeatures& features) {
     if (!kind_) {
       const Result<DescriptorKind> guess = DescriptorKindFromName(
           cols == 128 ? std::string("sift_root_u8") : "binary" + std::to_string(cols));
-      if (!guess.ok()) return RowError("descriptors", image_id, guess.status().message());
+      if (!guess.ok()) return RowError("descriptors", features, guess.status().message());
       kind_ = *guess;
     }
     if (kind_->bytes == cols) return Status::Ok();
-    return RowError("descriptors", image_id,
+    return RowError("descriptors", features,
                     "has " + std::to_string(cols) + " columns, but descriptors of kind " +
-                        kind_->name + " have " + std::to_string(kind_->bytes));
+                        kind_->name + " have " + std::to_string(kind_->bytes) +
+                        "; extract the features of all images with one program and its settings");
   }
 
   SqliteColmapFile file_;

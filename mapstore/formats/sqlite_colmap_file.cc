@@ -29,12 +29,40 @@ std::uint32_t BigEndian32(const unsigned char* b) {
   return std::uint32_t{b[0]} << 24 | std::uint32_t{b[1]} << 16 | std::uint32_t{b[2]} << 8 | b[3];
 }
 
+// Whether a file is there and begins with a byte that is not zero. That is how SQLite itself tells
+// a journal that must be played back from one that a finished transaction emptied or zeroed.
+bool HasContent(const std::string& path) { return std::ifstream(path, std::ios::binary).get() > 0; }
+
+// Opened immutable, SQLite looks at neither log, and would read what is half written. Both lie
+// beside the file itself, not beside a link to it.
+Status CheckLogs(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path target = std::filesystem::canonical(path, error);
+  const std::string base = error ? path : target.string();
+  if (const std::string log = base + "-wal";
+      std::filesystem::exists(log, error) && std::filesystem::file_size(log, error) > 0) {
+    return InvalidFile(path,
+                       "has a write-ahead log beside it (" + log +
+                           "), so another program is writing it or died; close that program, or "
+                           "run: sqlite3 " +
+                           base + " 'PRAGMA wal_checkpoint(TRUNCATE)'");
+  }
+  if (const std::string journal = base + "-journal"; HasContent(journal)) {
+    return InvalidFile(path, "has a rollback journal beside it (" + journal +
+                                 "), so another program is writing it or died half way; close that "
+                                 "program, or take its half back with: sqlite3 " +
+                                 base + " 'PRAGMA integrity_check'");
+  }
+  return Status::Ok();
+}
+
 // SQLite notices missing pages only when it comes to them; the header (its format is documented)
 // tells at once.
 Status CheckHeader(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path)) return NotFound("database '" + path + "'", "FILE_NOT_FOUND");
   if (!std::filesystem::is_regular_file(path)) return InvalidFile(path, "is not a regular file");
+  MAPLOC_RETURN_IF_ERROR(CheckLogs(path));  // it explains what else may be wrong with the file
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   std::array<unsigned char, 100> header{};
   std::ifstream file(path, std::ios::binary);
@@ -49,13 +77,6 @@ Status CheckHeader(const std::string& path) {
   if (count_is_valid && size < expected) {
     return InvalidFile(path, "is truncated: its header promises " + std::to_string(expected) +
                                  " bytes, it has " + std::to_string(size));
-  }
-  const std::string log = path + "-wal";
-  if (std::filesystem::exists(log) && std::filesystem::file_size(log, error) > 0) {
-    return InvalidFile(
-        path,
-        "has a write-ahead log beside it, so another program is writing it or died; "
-        "close that program, or run: sqlite3 FILE 'PRAGMA wal_checkpoint(TRUNCATE)'");
   }
   return Status::Ok();
 }
@@ -89,10 +110,20 @@ Status SqliteColmapFile::SqliteError(const std::string& what) const {
   return InvalidFile(path_, what + ": " + sqlite3_errmsg(database_.get()));
 }
 
-Status SqliteColmapFile::RowError(const char* table, std::int64_t image_id,
+Status SqliteColmapFile::RowError(const char* table, std::int64_t image_id, const char* name,
                                   const std::string& message) const {
-  return InvalidFile(path_, "table " + std::string(table) + ", image " + std::to_string(image_id) +
-                                ": " + message);
+  std::string where = "table " + std::string(table) + ", image " + std::to_string(image_id);
+  if (name != nullptr) where += " ('" + std::string(name) + "')";
+  return InvalidFile(path_, where + ": " + message);
+}
+
+Result<bool> SqliteColmapFile::HasColumns(const std::string& table, const std::string& names,
+                                          int count) const {
+  const std::string sql =
+      "SELECT count(*) FROM pragma_table_info('" + table + "') WHERE name IN (" + names + ")";
+  MAPLOC_ASSIGN_OR_RETURN(const ColmapStatement statement, Prepare(sql.c_str()));
+  if (sqlite3_step(statement.get()) != SQLITE_ROW) return SqliteError("cannot be read");
+  return sqlite3_column_int(statement.get(), 0) == count;
 }
 
 }  // namespace maploc

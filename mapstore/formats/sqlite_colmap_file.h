@@ -17,13 +17,18 @@ using ColmapStatement = std::unique_ptr<sqlite3_stmt, FinalizeColmapStatement>;
 
 class SqliteColmapFile {
  public:
-  // Error: the file is not there, is no database, is cut off, or is being written.
+  // Error: the file is not there, is no database, is cut off, is being written, or holds what a
+  // program that died left half written.
   static Result<SqliteColmapFile> Open(const std::string& path);
 
   Result<ColmapStatement> Prepare(const char* sql) const;
   // The path, `what`, and SQLite's own words for the last failure.
   Status SqliteError(const std::string& what) const;
-  Status RowError(const char* table, std::int64_t image_id, const std::string& message) const;
+  // "path: table descriptors, image 7 ('b.jpg'): message". `name` may be null: there is none.
+  Status RowError(const char* table, std::int64_t image_id, const char* name,
+                  const std::string& message) const;
+  // Whether a table has the columns; not so without the table. `names` as SQL: "'type', 'cols'".
+  Result<bool> HasColumns(const std::string& table, const std::string& names, int count) const;
   const std::string& path() const { return path_; }
 
  private:

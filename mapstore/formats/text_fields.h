@@ -46,15 +46,24 @@ class TextFields {
   // T is an integer or double; a double must be finite. The error starts with `what`.
   template <typename T>
   Result<T> Number(std::string_view what) {
+    MAPLOC_ASSIGN_OR_RETURN(const T value, AnyNumber<T>(what));
+    if constexpr (std::is_floating_point_v<T>) {
+      if (!std::isfinite(value)) return InvalidArgument(what, "is not finite");
+    }
+    return value;
+  }
+  // As Number, but NaN and infinity are numbers, too.
+  template <typename T>
+  Result<T> AnyNumber(std::string_view what) {
     const std::string_view word = Word();
     if (word.empty()) return InvalidArgument(what, "is missing");
     T value{};
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size()) {
+    // from_chars does not know the sign that everybody else takes.
+    const std::string_view digits = word.substr(word[0] == '+' && word.size() > 1 ? 1 : 0);
+    const char* last = digits.data() + digits.size();
+    const auto [end, error] = std::from_chars(digits.data(), last, value);
+    if (error != std::errc() || end != last || (digits != word && digits[0] == '-')) {
       return InvalidArgument(what, Quoted(word) + " is not a number");
-    }
-    if constexpr (std::is_floating_point_v<T>) {
-      if (!std::isfinite(value)) return InvalidArgument(what, "is not finite");
     }
     return value;
   }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mapstore/base/clock.h"
+#include "mapstore/base/name.h"
 #include "mapstore/importers/descriptor_selection.h"
 #include "mapstore/importers/frame_neighbours.h"
 #include "mapstore/importers/imported_lines.h"
@@ -24,6 +25,8 @@ constexpr double kAttachDistancePx = 1.0;
 constexpr const char* kDefaultKind = "sift_root_u8";
 
 Status CheckOptions(const ColmapImportOptions& options) {
+  if (options.map_name.empty()) return InvalidArgument("map name", "is empty");
+  MAPLOC_RETURN_IF_ERROR(CheckName("map name", options.map_name));
   if (options.meters_per_unit &&
       !(*options.meters_per_unit > 0 && *options.meters_per_unit < 1e9)) {
     return InvalidArgument("scale", "must be positive, metres a unit of the model");
@@ -51,6 +54,7 @@ class Importer {
   Status Align() {
     MAPLOC_RETURN_IF_ERROR(CheckOptions(options_));
     MAPLOC_ASSIGN_OR_RETURN(model_, ReadColmapModel(options_.model_directory));
+    if (!model_.notice.empty()) report_.notices.push_back(model_.notice);
     if (model_.images.empty()) {
       return InvalidFile(options_.model_directory, "the model has no images");
     }
@@ -125,7 +129,17 @@ class Importer {
     report_.info.key = writer->key();
     report_.points = static_cast<std::int64_t>(points_.size());
     report_.lines = static_cast<std::int64_t>(lines_.size());
+    if (!truncated_.empty()) {
+      report_.notices.push_back(DescribeTruncated(truncated_, frames_.size()));
+    }
     return report_;
+  }
+
+  // A failure may come of what the photos that were left out had to say.
+  Status Explain(const Status& status) const {
+    if (truncated_.empty()) return status;
+    return Status(status.code(), status.reason(),
+                  status.message() + "; " + DescribeTruncated(truncated_, model_.images.size()));
   }
 
  private:
@@ -138,6 +152,7 @@ class Importer {
     }
     MAPLOC_ASSIGN_OR_RETURN(
         looks_, LookAtPhotos(options_.images_directory, MakeKeyFrames(model_, {}), progress_));
+    truncated_.insert(looks_.truncated.begin(), looks_.truncated.end());
     return Status::Ok();
   }
 
@@ -178,15 +193,21 @@ class Importer {
     return Status::Ok();
   }
 
-  Result<std::vector<KeypointFeatures>> ModelFeatures() const {
+  Result<std::vector<PointFeatures>> DetectInPhotos(const DescriptorKind& kind) {
+    MAPLOC_ASSIGN_OR_RETURN(PhotoPoints detected,
+                            DetectPhotoPoints(options_.images_directory, frames_, kind, progress_));
+    truncated_.insert(detected.truncated.begin(), detected.truncated.end());
+    return std::move(detected.features);
+  }
+
+  Result<std::vector<KeypointFeatures>> ModelFeatures() {
     if (!options_.database_path.empty()) {
       MAPLOC_ASSIGN_OR_RETURN(auto database,
                               ReadColmapDatabase(options_.database_path, options_.descriptors));
       return TakeFromDatabase(model_, frames_, std::move(database));
     }
     MAPLOC_ASSIGN_OR_RETURN(const DescriptorKind kind, PhotoKind());
-    MAPLOC_ASSIGN_OR_RETURN(const std::vector<PointFeatures> detected,
-                            DetectPhotoPoints(options_.images_directory, frames_, kind, progress_));
+    MAPLOC_ASSIGN_OR_RETURN(const std::vector<PointFeatures> detected, DetectInPhotos(kind));
     std::vector<KeypointFeatures> features;
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       features.push_back(
@@ -198,8 +219,7 @@ class Importer {
   Status TriangulateFromPhotos() {
     MAPLOC_ASSIGN_OR_RETURN(report_.info.point_descriptor, PhotoKind());
     MAPLOC_ASSIGN_OR_RETURN(const std::vector<PointFeatures> detected,
-                            DetectPhotoPoints(options_.images_directory, frames_,
-                                              report_.info.point_descriptor, progress_));
+                            DetectInPhotos(report_.info.point_descriptor));
     points_ = TriangulatePoints(frames_, detected, FindFrameNeighbours(frames_, ModelPoints()), {},
                                 progress_);
     for (PointTrack& point : points_) {
@@ -230,6 +250,7 @@ class Importer {
   ColmapImportReport report_;
   ColmapModel model_;
   PhotoLooks looks_;
+  std::set<std::string> truncated_;  // names of photos
   std::vector<KeyFrame> frames_;
   std::vector<PointTrack> points_;
   std::vector<LineTrackInMap> lines_;
@@ -240,9 +261,10 @@ class Importer {
 Result<ColmapImportReport> ImportColmap(const ColmapImportOptions& options,
                                         const OpenStoreFn& open_store, const ProgressFn& progress) {
   Importer importer(options, progress);
-  MAPLOC_RETURN_IF_ERROR(importer.Align());
-  MAPLOC_RETURN_IF_ERROR(importer.MakePoints());
-  MAPLOC_RETURN_IF_ERROR(importer.MakeLines());
+  Status status = importer.Align();
+  if (status.ok()) status = importer.MakePoints();
+  if (status.ok()) status = importer.MakeLines();
+  if (!status.ok()) return importer.Explain(status);
   MAPLOC_ASSIGN_OR_RETURN(MapStore* const store, open_store());
   return importer.Write(*store);
 }

@@ -44,12 +44,13 @@ struct ColmapImportReport {
   std::int64_t point_descriptors = 0;
   std::int64_t line_descriptors = 0;
   std::int64_t points_without_descriptor = 0;  // of the model, left out
+  std::vector<std::string> notices;  // what was read of two, photos left out; a sentence each
 };
 
 // Gives the store to write to; called once, when all else is done. The store outlives the import.
 using OpenStoreFn = std::function<Result<MapStore*>()>;
 
-// Progress may be null.
+// Progress may be null. An error tells of the photos that were left out, too.
 Result<ColmapImportReport> ImportColmap(const ColmapImportOptions& options,
                                         const OpenStoreFn& open_store,
                                         const ProgressFn& progress = nullptr);

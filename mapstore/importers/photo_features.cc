@@ -19,10 +19,12 @@ Result<GrayImage> LoadPhoto(const std::string& images_directory, const KeyFrame&
   return image;
 }
 
-// detect(frame) for every frame; the first frame's error, if any.
+// detect(frame) for every frame; the first frame's error, if any. Of a truncated photo `nothing`
+// was detected, and its name goes to `truncated`.
 template <typename T, typename Detect>
 Result<std::vector<T>> DetectAll(std::span<const KeyFrame> frames, std::string_view stage,
-                                 const ProgressFn& progress, const Detect& detect) {
+                                 const ProgressFn& progress, const T& nothing,
+                                 std::vector<std::string>& truncated, const Detect& detect) {
   const int count = static_cast<int>(frames.size());
   std::vector<std::optional<Result<T>>> results(frames.size());
   ParallelFor(
@@ -35,9 +37,15 @@ Result<std::vector<T>> DetectAll(std::span<const KeyFrame> frames, std::string_v
         if (progress) progress(stage, done, count);
       });
   std::vector<T> found;
-  for (auto& result : results) {
-    MAPLOC_RETURN_IF_ERROR(result->status());
-    found.push_back(std::move(*result).value());
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    Result<T>& result = *results[i];
+    if (result.status().reason() == kTruncatedImage) {
+      truncated.push_back(frames[i].name);
+      found.push_back(nothing);
+      continue;
+    }
+    MAPLOC_RETURN_IF_ERROR(result.status());
+    found.push_back(std::move(result).value());
   }
   return found;
 }
@@ -84,34 +92,55 @@ Eigen::Vector2d Brightening(const GrayImage& image) {
 
 }  // namespace
 
-Result<std::vector<PointFeatures>> DetectPhotoPoints(const std::string& images_directory,
-                                                     std::span<const KeyFrame> frames,
-                                                     const DescriptorKind& kind,
-                                                     const ProgressFn& progress) {
-  return DetectAll<PointFeatures>(
-      frames, "detecting keypoints", progress, [&](const KeyFrame& frame) -> Result<PointFeatures> {
-        MAPLOC_ASSIGN_OR_RETURN(const GrayImage image, LoadPhoto(images_directory, frame));
-        return DetectPoints(image, kind);
-      });
+Result<PhotoPoints> DetectPhotoPoints(const std::string& images_directory,
+                                      std::span<const KeyFrame> frames, const DescriptorKind& kind,
+                                      const ProgressFn& progress) {
+  PhotoPoints points;
+  PointFeatures nothing;
+  nothing.descriptors.kind = kind;
+  MAPLOC_ASSIGN_OR_RETURN(
+      points.features, DetectAll(frames, "detecting keypoints", progress, nothing, points.truncated,
+                                 [&](const KeyFrame& frame) -> Result<PointFeatures> {
+                                   MAPLOC_ASSIGN_OR_RETURN(const GrayImage image,
+                                                           LoadPhoto(images_directory, frame));
+                                   return DetectPoints(image, kind);
+                                 }));
+  return points;
 }
 
 Result<PhotoLooks> LookAtPhotos(const std::string& images_directory,
                                 std::span<const KeyFrame> frames, const ProgressFn& progress) {
   using Look = std::pair<FrameLines, Eigen::Vector2d>;
-  MAPLOC_ASSIGN_OR_RETURN(
-      std::vector<Look> looks,
-      DetectAll<Look>(
-          frames, "detecting lines", progress, [&](const KeyFrame& frame) -> Result<Look> {
-            MAPLOC_ASSIGN_OR_RETURN(const GrayImage image, LoadPhoto(images_directory, frame));
-            MAPLOC_ASSIGN_OR_RETURN(const LineFeatures features, DetectLines(image));
-            return Look{Undistort(frame, features), Brightening(image)};
-          }));
   PhotoLooks result;
+  Look nothing{{}, Eigen::Vector2d::Zero()};
+  MAPLOC_ASSIGN_OR_RETURN(nothing.first.descriptors.kind, DescriptorKindFromName("lbd"));
+  MAPLOC_ASSIGN_OR_RETURN(std::vector<Look> looks,
+                          DetectAll(frames, "detecting lines", progress, nothing, result.truncated,
+                                    [&](const KeyFrame& frame) -> Result<Look> {
+                                      MAPLOC_ASSIGN_OR_RETURN(const GrayImage image,
+                                                              LoadPhoto(images_directory, frame));
+                                      MAPLOC_ASSIGN_OR_RETURN(const LineFeatures features,
+                                                              DetectLines(image));
+                                      return Look{Undistort(frame, features), Brightening(image)};
+                                    }));
   for (auto& [lines, brightening] : looks) {
     result.lines.push_back(std::move(lines));
     result.brightening.push_back(brightening);
   }
   return result;
+}
+
+std::string DescribeTruncated(const std::set<std::string>& names, std::size_t photo_count) {
+  constexpr std::size_t kNamed = 3;
+  std::string text = std::to_string(names.size()) + " of " + std::to_string(photo_count) +
+                     " photos are truncated and were left out: ";
+  std::size_t named = 0;
+  for (const std::string& name : names) {
+    if (named == kNamed) break;
+    text += (named++ == 0 ? "" : ", ") + name;
+  }
+  if (names.size() > named) text += " and " + std::to_string(names.size() - named) + " more";
+  return text + "; copy them again and import anew";
 }
 
 }  // namespace maploc

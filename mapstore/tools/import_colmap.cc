@@ -86,6 +86,7 @@ nlohmann::ordered_json ToJson(const ColmapImportReport& report, double seconds) 
        {{"scale", report.info.map_from_source.scale},
         {"rotation",
          {{"x", rotation.x()}, {"y", rotation.y()}, {"z", rotation.z()}, {"w", rotation.w()}}}}},
+      {"notices", report.notices},
       {"seconds", seconds}};
 }
 
@@ -132,6 +133,7 @@ Status Import(const CommandContext& context, const Flags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const ColmapImportReport report,
                           ImportColmap(options, open, TerminalProgress()));
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  for (const std::string& notice : report.notices) std::cerr << "note: " << notice << "\n";
   TellGravity(report.gravity);
   if (context.json) {
     PrintJson(ToJson(report, elapsed.count()));

@@ -119,5 +119,29 @@ TEST_F(BadFiles, ANameThatNoFileSystemTakesIsAFailureAndNotACrash) {
   ExpectFailed(Run("import-colmap --map m --model " + binary_ + " --store " + name), name);
 }
 
+// Half of an unfinished change would become a map, and nobody would know.
+TEST_F(BadFiles, ADatabaseWithAJournalBesideItIsRefused) {
+  WriteFile(database_ + "-journal", "\xd9\xd5\x05\xf9\x20\xa1\x63\xd7 pages as they were");
+  ExpectImportRefused(binary_, database_ + ": has a rollback journal beside it");
+}
+
+TEST_F(BadFiles, WhichOfTwoFormsWasReadIsTold) {
+  for (const char* part : {"cameras.txt", "images.txt", "points3D.txt"}) {
+    std::filesystem::copy_file(text_ + "/" + part, binary_ + "/" + part);
+  }
+  const Output run = Import(binary_ + " --json");
+  EXPECT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_THAT(run.error, ::testing::HasSubstr("note: " + binary_ + ": the model's .bin files"));
+  EXPECT_THAT(run.out, ::testing::HasSubstr("\"notices\": ["));
+  WriteFile(binary_ + "/points3D.txt", "1 0 0 0 0 0 0 0\n");
+  ExpectImportRefused(binary_, binary_ + ": holds the model twice");
+}
+
+TEST_F(BadFiles, AMapNameThatIsNoTextIsRefused) {
+  ExpectFailed(Run("import-colmap --map 'Stra\xDF' --model " + binary_ + " --database " +
+                   database_ + " --store " + store_),
+               "map name: is not UTF-8 at byte 4");
+}
+
 }  // namespace
 }  // namespace maploc::testing

@@ -33,6 +33,10 @@ TEST(CheckName, RefusesWhatIsNotUtf8) {
   for (const char* name : {"M\xfcnchen", "\xc3", "\xc0\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80"}) {
     EXPECT_EQ(CheckName("robot", name).reason(), "NOT_UTF8") << ::testing::PrintToString(name);
   }
+  EXPECT_EQ(CheckName("robot", "M\xfcnchen").message().find("robot: is not UTF-8 at byte 1"), 0u);
+  for (const char* name : {"\x80", "\xe0\x80\xaf", "\xf0\x80\x80\xaf", "\xff", "ab\xe2\x82"}) {
+    EXPECT_EQ(CheckName("robot", name).reason(), "NOT_UTF8") << ::testing::PrintToString(name);
+  }
 }
 
 TEST(CheckName, RefusesTooManyBytes) {

@@ -181,20 +181,5 @@ TEST(DetectTest, TheSameFromEveryThread) {
   }
 }
 
-TEST(LoadGrayImageTest, ReadsPixelsAndNamesABadFile) {
-  const testing::TemporaryFolder folder;
-  const std::string path = folder.File("load.pgm");
-  folder.Write("load.pgm", "P5 3 2 255\nabcdef");
-  const Result<GrayImage> image = LoadGrayImage(path);
-  ASSERT_TRUE(image.ok()) << image.status().ToString();
-  EXPECT_EQ(image->width_px, 3);
-  EXPECT_EQ(image->height_px, 2);
-  EXPECT_EQ(std::string(image->pixels.begin(), image->pixels.end()), "abcdef");
-  folder.Write("load.pgm", "no picture");
-  EXPECT_THAT(LoadGrayImage(path).status().message(), HasSubstr(path));
-  std::remove(path.c_str());
-  EXPECT_THAT(LoadGrayImage(path).status().message(), HasSubstr(path));
-}
-
 }  // namespace
 }  // namespace maploc

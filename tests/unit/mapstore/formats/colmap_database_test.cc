@@ -3,12 +3,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 
-#include "mapstore/formats/colmap.h"
-#include "tests/support/files.h"
 #include "tests/support/pose_priors.h"
 #include "tests/support/seed.h"
+#include "tests/unit/mapstore/formats/colmap_database_fixture.h"
 
 namespace maploc {
 namespace {
@@ -16,58 +14,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-class ColmapDatabaseTest : public ::testing::Test {
- protected:
-  ColmapDatabaseTest() : path_(folder_.File("data base#1?.db")) {}
-
-  void Execute(const std::string& sql) {
-    sqlite3* database = nullptr;
-    ASSERT_EQ(sqlite3_open(path_.c_str(), &database), SQLITE_OK);
-    char* error = nullptr;
-    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, &error), SQLITE_OK) << error;
-    sqlite3_close(database);
-  }
-  void MakeTables() {
-    Execute(
-        "CREATE TABLE images (image_id INTEGER PRIMARY KEY, name TEXT, camera_id INTEGER);"
-        "CREATE TABLE keypoints (image_id INTEGER PRIMARY KEY, rows INTEGER, cols INTEGER, data "
-        "BLOB);"
-        "CREATE TABLE descriptors (image_id INTEGER PRIMARY KEY, rows INTEGER, cols INTEGER, data "
-        "BLOB);");
-  }
-  static std::string Hex(const void* data, std::size_t size) {
-    std::string hex = "x'";
-    for (std::size_t i = 0; i < size; ++i) {
-      char digits[3];
-      std::snprintf(digits, sizeof(digits), "%02x", static_cast<const unsigned char*>(data)[i]);
-      hex += digits;
-    }
-    return hex + "'";
-  }
-  void AddImage(int id, const std::string& name, const std::vector<float>& keypoints, int cols,
-                int descriptor_rows, int descriptor_cols) {
-    const std::vector<unsigned char> descriptors(
-        static_cast<std::size_t>(descriptor_rows * descriptor_cols),
-        static_cast<unsigned char>(id));
-    const int rows = cols == 0 ? 0 : static_cast<int>(keypoints.size()) / cols;
-    const std::string key = std::to_string(id);
-    Execute("INSERT INTO images VALUES (" + key + ", '" + name + "', 1);" +
-            "INSERT INTO keypoints VALUES (" + key + ", " + std::to_string(rows) + ", " +
-            std::to_string(cols) + ", " + Hex(keypoints.data(), keypoints.size() * 4) + ");" +
-            "INSERT INTO descriptors VALUES (" + key + ", " + std::to_string(descriptor_rows) +
-            ", " + std::to_string(descriptor_cols) + ", " +
-            Hex(descriptors.data(), descriptors.size()) + ");");
-  }
-  std::string Error(const std::optional<DescriptorKind>& kind = std::nullopt) {
-    const auto database = ReadColmapDatabase(path_, kind);
-    if (database.ok()) return "read";
-    EXPECT_THAT(database.status().message(), HasSubstr(path_));
-    return database.status().message();
-  }
-
-  testing::TemporaryFolder folder_;
-  std::string path_;
-};
+using ColmapDatabaseTest = testing::ColmapDatabaseTest;
 
 TEST_F(ColmapDatabaseTest, ReadsKeypointsOfTwoFourAndSixColumnsInOurPixels) {
   MakeTables();
@@ -95,7 +42,7 @@ TEST_F(ColmapDatabaseTest, TheKindIsGuessedFromTheColumnsUnlessItIsGiven) {
   EXPECT_EQ(ReadColmapDatabase(path_)->at("a.jpg").points.descriptors.kind.name, "binary48");
   EXPECT_THAT(Error(*DescriptorKindFromName("orb")), HasSubstr("descriptors of kind orb have 32"));
   AddImage(2, "b.jpg", {1, 2}, 2, 1, 32);
-  EXPECT_THAT(Error(), HasSubstr("image 2: has 32 columns"));
+  EXPECT_THAT(Error(), HasSubstr("image 2 ('b.jpg'): has 32 columns"));
 }
 
 TEST_F(ColmapDatabaseTest, LeavesNothingBesideTheFile) {
@@ -114,6 +61,80 @@ TEST_F(ColmapDatabaseTest, ADatabaseThatIsBeingWrittenIsRefused) {
   MakeTables();
   folder_.Write("data base#1?.db-wal", "pages");
   EXPECT_THAT(Error(), HasSubstr("write-ahead log"));
+  folder_.Write("data base#1?.db", "");  // all that was written is in the log still
+  EXPECT_THAT(Error(), HasSubstr("write-ahead log"));
+}
+
+// A program that died in a transaction: pages of its unfinished change are in the file already, and
+// the journal beside it holds what they were. SQLite made both.
+TEST_F(ColmapDatabaseTest, WhatACrashLeftHalfWrittenIsRefused) {
+  MakeTables();
+  for (int id = 1; id <= 40; ++id) {
+    AddImage(id, std::to_string(id) + ".jpg", std::vector<float>(40, 1.0f), 2, 20, 128);
+  }
+  sqlite3* writer = nullptr;
+  ASSERT_EQ(sqlite3_open(path_.c_str(), &writer), SQLITE_OK);
+  const char* change =
+      "PRAGMA cache_size = 2; BEGIN; UPDATE descriptors SET data = zeroblob(length(data));";
+  ASSERT_EQ(sqlite3_exec(writer, change, nullptr, nullptr, nullptr), SQLITE_OK);
+  const std::string half_written = testing::ReadFile(path_);
+  const std::string journal = testing::ReadFile(path_ + "-journal");
+  sqlite3_exec(writer, "ROLLBACK", nullptr, nullptr, nullptr);
+  sqlite3_close(writer);
+  ASSERT_NE(half_written, testing::ReadFile(path_)) << "the change never reached the file";
+
+  testing::WriteFile(path_, half_written);
+  testing::WriteFile(path_ + "-journal", journal);
+  EXPECT_THAT(Error(), HasSubstr("has a rollback journal beside it"));
+  EXPECT_THAT(ReadColmapGravity(path_).status().message(), HasSubstr("rollback journal"));
+  const std::string link = folder_.File("link.db");
+  std::filesystem::create_symlink(path_, link);
+  EXPECT_THAT(ReadColmapDatabase(link).status().message(), HasSubstr("rollback journal"));
+
+  Execute("PRAGMA integrity_check");  // the cure that the message names
+  const auto database = ReadColmapDatabase(path_);
+  ASSERT_TRUE(database.ok()) << database.status().ToString();
+  for (const auto& [name, features] : *database) {
+    EXPECT_EQ(features.points.descriptors.row(0)[5], features.image_id) << name;
+  }
+}
+
+// journal_mode PERSIST and TRUNCATE leave a journal whose transaction is done.
+TEST_F(ColmapDatabaseTest, AJournalThatIsDoneWithIsNoHindrance) {
+  for (const std::string mode : {"PERSIST", "TRUNCATE"}) {
+    std::filesystem::remove(path_);
+    MakeTables();
+    Execute("PRAGMA journal_mode = " + mode + "; INSERT INTO images VALUES (1, 'a.jpg', 1)");
+    ASSERT_TRUE(std::filesystem::exists(path_ + "-journal"));
+    EXPECT_EQ(Error(), "read") << mode;
+  }
+}
+
+TEST_F(ColmapDatabaseTest, RefusesDescriptorsThatDescribeNothing) {
+  MakeTables();
+  AddImage(1, "good.jpg", std::vector<float>(40, 1.0f), 2, 20, 128);
+  AddImage(2, "bad.jpg", std::vector<float>(40, 1.0f), 2, 20, 128);
+  ASSERT_EQ(Error(), "read");
+  Execute("UPDATE descriptors SET data = zeroblob(length(data)) WHERE image_id = 2");
+  EXPECT_THAT(Error(), HasSubstr("image 2 ('bad.jpg'): 20 of its 20 descriptors are one byte"));
+  const std::vector<unsigned char> sevens(20 * 128, 7);
+  const std::string where = " WHERE image_id = 2";
+  Execute("UPDATE descriptors SET data = " + Hex(sevens.data(), sevens.size()) + where);
+  EXPECT_THAT(Error(), HasSubstr("'bad.jpg'"));
+  std::vector<unsigned char> equal(20 * 128, 7);
+  for (std::size_t i = 0; i < equal.size(); i += 2) equal[i] = 9;
+  Execute("UPDATE descriptors SET data = " + Hex(equal.data(), equal.size()) + where);
+  EXPECT_THAT(Error(), HasSubstr("its 20 descriptors are all equal; extract"));
+}
+
+TEST_F(ColmapDatabaseTest, ThirtyThousandKeypointsOfAPhotoAreRead) {
+  MakeTables();
+  AddImage(1, "a.jpg", std::vector<float>(60000, 1.0f), 2, 30000, 128);
+  const auto database = ReadColmapDatabase(path_);
+  ASSERT_TRUE(database.ok()) << database.status().ToString();
+  EXPECT_EQ(database->at("a.jpg").points.keypoints_px.size(), 30000u);
+  EXPECT_EQ(database->at("a.jpg").points.descriptors.size(), 30000);
+  EXPECT_EQ(database->at("a.jpg").points.descriptors.row(29999)[127], 1);
 }
 
 TEST_F(ColmapDatabaseTest, RefusesRowsThatDisagree) {
@@ -168,7 +189,7 @@ TEST_F(ColmapDatabaseTest, RefusesGravityThatIsNoDirection) {
   model.images[1] = {1, 1, "a.jpg", {}, {}, {}};
   testing::AddPosePriors(path_, model, {{"a.jpg", {0, 0, 0}}});
   EXPECT_THAT(ReadColmapGravity(path_).status().message(),
-              HasSubstr("table pose_priors, image 1: its gravity is no direction"));
+              HasSubstr("table pose_priors, image 1 ('a.jpg'): its gravity is no direction"));
   Execute("UPDATE pose_priors SET gravity = x'0011'");
   EXPECT_THAT(ReadColmapGravity(path_).status().message(), HasSubstr("not three float64"));
 }
@@ -179,7 +200,7 @@ TEST_F(ColmapDatabaseTest, RefusesKeypointsThatAreNotPositions) {
   EXPECT_THAT(Error(), HasSubstr("cols is 3, not 2, 4 or 6"));
   Execute("DELETE FROM images; DELETE FROM keypoints; DELETE FROM descriptors");
   AddImage(2, "b.jpg", {1, std::numeric_limits<float>::quiet_NaN()}, 2, 1, 128);
-  EXPECT_THAT(Error(), HasSubstr("image 2: keypoint 0 is not finite"));
+  EXPECT_THAT(Error(), HasSubstr("image 2 ('b.jpg'): keypoint 0 is not finite"));
 }
 
 TEST_F(ColmapDatabaseTest, RefusesTwoImagesOfOneName) {

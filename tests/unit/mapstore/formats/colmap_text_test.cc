@@ -91,8 +91,6 @@ TEST_F(ColmapTextTest, AModelOfPosesAloneIsFine) {
 
 TEST_F(ColmapTextTest, RefusesABrokenCamera) {
   EXPECT_THAT(CameraError("x PINHOLE 640 480 1 1 1 1"), HasSubstr("'x' is not a number"));
-  EXPECT_THAT(CameraError("1 FULL_OPENCV 640 480 1 1 1 1 0 0 0 0 0 0 0 0"),
-              HasSubstr("'FULL_OPENCV' is not supported"));
   EXPECT_THAT(CameraError("1 PINHOLE 640 480 1 1 1"), HasSubstr("takes 4 parameters, got 3"));
   EXPECT_THAT(CameraError("1 PINHOLE 640 480 0 1 1 1"), HasSubstr("focal length"));
   EXPECT_THAT(CameraError("1 PINHOLE 640 480 nan 1 1 1"), HasSubstr("is not finite"));

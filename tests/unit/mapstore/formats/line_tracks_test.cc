@@ -105,5 +105,29 @@ TEST_F(LineTracksTest, RefusesOtherFilesByTheirFirstLine) {
   EXPECT_EQ(ReadLineTracks(path_ + ".absent").status().code(), StatusCode::kNotFound);
 }
 
+// What other programs write, as they write it.
+TEST_F(LineTracksTest, NamesTheProgramOfAnotherFormatAndSaysWhatToDo) {
+  const auto expect = [&](const std::string& text, const std::string& name) {
+    const std::string message = Read(text).status().message();
+    EXPECT_THAT(message, HasSubstr(path_ + ": looks like " + name));
+    EXPECT_THAT(message, HasSubstr("--images with --lines auto"));
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+  };
+  expect("1\n0 2 2\n0.1 0.2 0.3\n1.1 0.2 0.3\n4 5 \n17 3 \n", "LIMAP's line tracks (alltracks");
+  expect("0.1 0.2 0.3 1.1 0.2 0.3 \n3 3\nimage_id_list 0 1 2 \n", "one of LIMAP's line tracks");
+  expect("v 0.1 0.2 0.3\nv 1.1 0.2 0.3\nl 1 2\n", "a Wavefront OBJ of LIMAP or Line3D++");
+  expect("1 4.7 -1.3 1.9 4.8 -1.3 1.9 2 19 273 906.9 594.2 1019.5 583.4 17 313 963.1 477 9 4 \n",
+         "Line3D++'s text result");
+  expect("2 4 -1 1 4 -1 2 5 -1 1 5 -1 2 1 19 273 906.9 594.2 1019.5 583.4\r\n",
+         "Line3D++'s text result");
+  expect("solid lineModel\nfacet normal 1 0 0\n", "an STL of Line3D++");
+  expect(std::string("\x93NUMPY\x01\0v\0", 10), "a NumPy array");
+  expect(std::string("\x16\0\0\0\0\0\0\0serialization::archive\x0a\0", 32),
+         "Line3D++'s binary result");
+  folder_.Write("track_0.txt", "");
+  EXPECT_THAT(ReadLineTracks(folder_.path()).status().message(),
+              HasSubstr("looks like LIMAP's folder of line tracks (finaltracks)"));
+}
+
 }  // namespace
 }  // namespace maploc

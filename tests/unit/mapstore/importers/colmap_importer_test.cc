@@ -171,6 +171,57 @@ TEST_F(ColmapImporterTest, WhatMakesNoSenseIsRefusedAndLeavesNothing) {
   EXPECT_THAT(Error(), HasSubstr("img0.jpg"));
 }
 
+// Whole photos of one shade, but for those that are cut: the start of a JPEG.
+TEST_F(ColmapImporterTest, TruncatedPhotosAreLeftOutAndNamed) {
+  options_.images_directory = folder_.path();
+  for (const auto& [id, image] : model_.images) {
+    folder_.Write(image.name, "P5 1000 800 255\n" + std::string(800000, 'a'));
+  }
+  ASSERT_TRUE(Import().ok());
+  EXPECT_TRUE(Import()->notices.empty());
+  for (const char* name : {"img1.jpg", "img3.jpg", "img5.jpg", "img7.jpg"}) {
+    folder_.Write(name, "\xFF\xD8\xFF\xE0");
+  }
+  const Result<ColmapImportReport> report = Import();
+  ASSERT_TRUE(report.ok()) << report.status().ToString();
+  EXPECT_EQ(report->points, 60) << "a photo's database entries and pose are whole";
+  ASSERT_EQ(report->notices.size(), 1u);
+  EXPECT_THAT(report->notices[0], HasSubstr("4 of 10 photos are truncated and were left out: "
+                                            "img1.jpg, img3.jpg, img5.jpg and 1 more;"));
+  options_.gravity_in_source.reset();
+  const std::string error = Import().status().message();
+  EXPECT_THAT(error, HasSubstr("4 of 10 photos are truncated")) << "a failure may come of it";
+  EXPECT_EQ(error.find('\n'), std::string::npos);
+}
+
+TEST_F(ColmapImporterTest, AMapNameThatNoStoreTakesIsRefusedBeforeTheWork) {
+  options_.model_directory = "/absent";  // would be the error if the work began
+  options_.map_name = std::string(129, 'a');
+  EXPECT_THAT(Error(), HasSubstr("map name: is 129 bytes long, at most 128 are allowed"));
+  options_.map_name =
+      "Stra\xDF"
+      "e";
+  EXPECT_THAT(Error(), HasSubstr("map name: is not UTF-8 at byte 4"));
+  options_.map_name = "";
+  EXPECT_THAT(Error(), HasSubstr("map name: is empty"));
+}
+
+// Names of files are as long and in what encoding their owner's disk has them.
+TEST_F(ColmapImporterTest, LongAndForeignImageNamesAreTaken) {
+  int count = 0;
+  for (const std::string& name : {std::string(300, 'a'), std::string("Stra\xDF"
+                                                                     "e (1).jpg")}) {
+    ColmapImage& image = model_.images.at(++count);
+    features_[name] = features_.at(image.name);
+    features_.erase(image.name);
+    image.name = name;
+  }
+  WriteFiles();
+  const Result<ColmapImportReport> report = Import();
+  ASSERT_TRUE(report.ok()) << report.status().ToString();
+  EXPECT_EQ(report->points, 60);
+}
+
 TEST_F(ColmapImporterTest, ADatabaseOfAnotherModelIsRefused) {
   features_["img3.jpg"].keypoints_px[0].x() += 2.0f;
   WriteFiles();

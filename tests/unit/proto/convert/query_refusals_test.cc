@@ -173,6 +173,7 @@ const std::vector<Refusal>& Refusals() {
       {"SiftScaledToOne", [](R* r) { FillSift(1.0, Points(r)); }, "views[0].points.descriptors",
        "DESCRIPTOR_SCALE"},
       {"MapWithNewline", [](R* r) { r->set_map("ya\nrd"); }, "map", "CONTROL_CHARACTER"},
+      {"MapNotUtf8", [](R* r) { r->set_map("Stra\xDF"); }, "map", "NOT_UTF8"},
       {"NeitherMapNorSession",
        [](R* r) {
          r->clear_map();
