@@ -16,6 +16,7 @@ constexpr int kWrongUsage = 2;
 int Report(const Status& status) {
   if (status.ok()) return 0;
   std::string line = "maploc: " + status.ToString();
+  if (status.code() == StatusCode::kDeadlineExceeded) line += "; --timeout SECONDS waits longer";
   std::ranges::replace(line, '\n', ' ');
   std::cerr << line << "\n";
   return kFailed;

@@ -2,12 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
+#include "client/api/names.h"
 #include "client/robot/metrics.h"
+#include "client/robot/missing.h"
+#include "client/robot/photo_header.h"
+#include "client/robot/strongest.h"
 #include "mapstore/features/features.h"
 
 namespace maploc {
 namespace {
+
+constexpr int kMaxSentPoints = 20000;  // the wire's: localization_service.proto
 
 // Undoes v = 512 sqrt(x / |x|_1), and scales as OpenCV does: 512 x / |x|_2.
 void PlainFromRootSift(std::uint8_t* row, int size) {
@@ -32,6 +39,17 @@ Status KindMismatch(const DescriptorKind& have, const DescriptorKind& want) {
                                 "); use --images to extract the map's kind");
 }
 
+bool IsPlainFromRoot(const DescriptorKind& have, const DescriptorKind& want) {
+  return have.name == "sift_root_u8" && want.name == "sift_u8";
+}
+
+Status CheckConvertible(const DescriptorKind& have, const DescriptorKind& want) {
+  const bool same_bits = have.metric == want.metric && have.bytes == want.bytes &&
+                         want.metric == DescriptorMetric::kHamming;
+  const bool convertible = have == want || IsPlainFromRoot(have, want) || same_bits;
+  return convertible ? Status::Ok() : KindMismatch(have, want);
+}
+
 std::vector<ColmapImage> SortedByName(const ColmapModel& model) {
   std::vector<ColmapImage> images;
   for (const auto& [id, image] : model.images) images.push_back(image);
@@ -45,14 +63,12 @@ Result<PointFeatures> ConvertToKind(PointFeatures points, const DescriptorKind& 
   Descriptors& descriptors = points.descriptors;
   if (descriptors.kind == kind) return points;
   if (points.keypoints_px.empty()) return PointFeatures{{}, {kind, {}}};
-  if (descriptors.kind.name == "sift_root_u8" && kind.name == "sift_u8") {
+  MAPLOC_RETURN_IF_ERROR(CheckConvertible(descriptors.kind, kind));
+  if (IsPlainFromRoot(descriptors.kind, kind)) {
     for (int i = 0; i < descriptors.size(); ++i) {
       PlainFromRootSift(descriptors.bytes.data() + static_cast<std::size_t>(i) * kind.bytes,
                         kind.bytes);
     }
-  } else if (descriptors.kind.metric != kind.metric || descriptors.kind.bytes != kind.bytes ||
-             kind.metric != DescriptorMetric::kHamming) {
-    return KindMismatch(descriptors.kind, kind);
   }
   descriptors.kind = kind;
   return points;
@@ -69,12 +85,92 @@ Result<RecordedRobot> RecordedRobot::Open(const RecordingOptions& options, const
   if (robot.images_.empty()) return InvalidFile(options.model_dir, "the model has no images");
   if (!options.database.empty()) {
     MAPLOC_ASSIGN_OR_RETURN(robot.features_, ReadColmapDatabase(options.database));
-    for (const ColmapImage& image : robot.images_) {
-      if (robot.features_.contains(image.name)) continue;
-      return InvalidFile(options.database, "has no features of image '" + image.name + "'");
-    }
   }
+  MAPLOC_RETURN_IF_ERROR(robot.CheckInputs());
   return robot;
+}
+
+std::vector<std::string> RecordedRobot::ImageNames() const {
+  std::vector<std::string> names;
+  for (const ColmapImage& image : images_) names.push_back(image.name);
+  return names;
+}
+
+Status RecordedRobot::CheckInputs() const {
+  const int max_features = options_.max_features.value_or(kMaxSentPoints);
+  if (max_features < 1 || max_features > kMaxSentPoints) {
+    return InvalidArgument("--max-features", "must lie in 1 to " + std::to_string(kMaxSentPoints) +
+                                                 ", which is what a server takes");
+  }
+  for (const ColmapImage& image : images_) {
+    const Status named = CheckName("image name", image.name);
+    if (!named.ok()) return named.WithContext(options_.model_dir);
+  }
+  MAPLOC_RETURN_IF_ERROR(gravity_.CheckHas(ImageNames()));
+  if (!options_.database.empty()) MAPLOC_RETURN_IF_ERROR(CheckDatabase());
+  return ReadsPhotos() ? CheckPhotos() : Status::Ok();
+}
+
+Status RecordedRobot::CheckDatabase() const {
+  std::vector<std::string> missing;
+  for (const ColmapImage& image : images_) {
+    if (!features_.contains(image.name)) missing.push_back(image.name);
+  }
+  if (!missing.empty()) {
+    return InvalidFile(options_.database, MissingText(missing, images_.size(), "row in it") +
+                                              "; give the database that the model was made of");
+  }
+  for (const ColmapImage& image : images_) {
+    const PointFeatures& points = features_.at(image.name).points;
+    if (!ReadsDatabase() || points.keypoints_px.empty()) continue;
+    // One kind a database: the first image with features stands for all.
+    const Status kind = CheckConvertible(points.descriptors.kind, map_.point_descriptor);
+    return kind.WithContext(options_.database);
+  }
+  return Status::Ok();
+}
+
+Status RecordedRobot::CheckPhotos() const {
+  // Too small to detect anything in it: only whether there is a detector of the map's kind.
+  if (DetectsPoints()) {
+    MAPLOC_RETURN_IF_ERROR(DetectPoints(GrayImage{1, 1, {0}}, map_.point_descriptor).status());
+  }
+  std::vector<std::string> missing;
+  for (int i = 0; i < QueryCount(); ++i) {
+    if (!std::filesystem::is_regular_file(ImagePath(i))) missing.push_back(images_[i].name);
+  }
+  if (!missing.empty()) {
+    return InvalidFile(options_.images,
+                       MissingText(missing, images_.size(), "photo in it") +
+                           "; --images is the folder that the model's names start from" +
+                           (options_.database.empty() ? "" : ", without it points alone are sent"));
+  }
+  for (int i = 0; i < QueryCount(); ++i) {
+    const std::optional<PhotoHeader> header = ReadPhotoHeader(ImagePath(i));
+    if (!header) continue;
+    MAPLOC_RETURN_IF_ERROR(CheckPhotoSize(ImagePath(i), header->width_px, header->height_px,
+                                          model_.cameras.at(images_[i].camera_id),
+                                          options_.model_dir));
+  }
+  return Status::Ok();
+}
+
+std::vector<std::string> RecordedRobot::Notes() const {
+  if (!ReadsDatabase()) return {};
+  const auto most = static_cast<std::size_t>(options_.max_features.value_or(kMaxSentPoints));
+  std::size_t images = 0;
+  bool scales = true;
+  for (const ColmapImage& image : images_) {
+    const ColmapFeatures& features = features_.at(image.name);
+    if (features.points.keypoints_px.size() <= most) continue;
+    ++images;
+    scales = scales && !features.scales_px.empty();
+  }
+  if (images == 0) return {};
+  return {std::to_string(images) + " of " + std::to_string(images_.size()) +
+          " images have more than " + std::to_string(most) + " points in " + options_.database +
+          "; of each " + std::to_string(most) + " are sent (--max-features), " +
+          (scales ? "those of the largest scale" : "evenly chosen, for no scale is stored")};
 }
 
 Rigid3 RecordedRobot::CameraFromMap(int index) const {
@@ -101,25 +197,24 @@ std::optional<double> RecordedRobot::SceneDepth(int index) const {
 }
 
 Status RecordedRobot::AddFeatures(int index, View& view) const {
-  const bool wants_points = !map_.point_descriptor.name.empty();
-  const bool wants_lines = !map_.line_descriptor.name.empty();
-  if (wants_points && !options_.database.empty()) {
-    const PointFeatures& stored = features_.at(images_[index].name).points;
-    Result<PointFeatures> points = ConvertToKind(stored, map_.point_descriptor);
+  if (ReadsDatabase()) {
+    const ColmapFeatures& stored = features_.at(images_[index].name);
+    Result<PointFeatures> points = ConvertToKind(
+        Strongest(stored.points, stored.scales_px, options_.max_features.value_or(kMaxSentPoints)),
+        map_.point_descriptor);
     if (!points.ok()) return points.status().WithContext(options_.database);
     view.points = *std::move(points);
   }
-  const bool detect_points = wants_points && options_.database.empty();
-  if (options_.images.empty() || (!detect_points && !wants_lines)) return Status::Ok();
+  if (!ReadsPhotos()) return Status::Ok();
   MAPLOC_ASSIGN_OR_RETURN(const GrayImage image, LoadGrayImage(ImagePath(index)));
-  if (image.width_px != view.camera.width_px() || image.height_px != view.camera.height_px()) {
-    return InvalidFile(ImagePath(index),
-                       "its size is not that of the camera in " + options_.model_dir);
+  MAPLOC_RETURN_IF_ERROR(CheckPhotoSize(ImagePath(index), image.width_px, image.height_px,
+                                        view.camera, options_.model_dir));
+  if (DetectsPoints()) {
+    PointDetectionOptions detection;
+    detection.max_features = options_.max_features.value_or(detection.max_features);
+    MAPLOC_ASSIGN_OR_RETURN(view.points, DetectPoints(image, map_.point_descriptor, detection));
   }
-  if (detect_points) {
-    MAPLOC_ASSIGN_OR_RETURN(view.points, DetectPoints(image, map_.point_descriptor));
-  }
-  if (wants_lines) {
+  if (WantsLines()) {
     MAPLOC_ASSIGN_OR_RETURN(view.lines, DetectLines(image));
   }
   return Status::Ok();

@@ -1,15 +1,12 @@
-#include <cmath>
-
 #include "mapstore/formats/colmap.h"
 #include "mapstore/formats/file_bytes.h"
 #include "mapstore/formats/text_fields.h"
+#include "mapstore/geometry/gravity_reading.h"
 
 namespace maploc {
 namespace {
 
 constexpr std::string_view kHeader = "name,gx,gy,gz";
-// Written with a few digits, a unit vector is one only so far.
-constexpr double kNormTolerance = 1e-3;
 
 struct GravityRow {
   std::string name;
@@ -29,11 +26,7 @@ Result<GravityRow> ParseRow(std::string_view line) {
   }
   row.name = TextFields(line).Rest();
   if (row.name.empty()) return InvalidArgument("name", "is missing");
-  const double norm = row.gravity_in_camera.norm();
-  if (!(std::abs(norm - 1.0) <= kNormTolerance)) {
-    return InvalidArgument("gravity", "must be a unit vector, its norm is " + std::to_string(norm));
-  }
-  row.gravity_in_camera /= norm;
+  MAPLOC_ASSIGN_OR_RETURN(row.gravity_in_camera, DownFromReading("gravity", row.gravity_in_camera));
   return row;
 }
 
