@@ -85,30 +85,24 @@ Status AskAll(Runner& runner, const Robot& robot, const ReplayOptions& options,
   return Status::Ok();
 }
 
-Status WithMessage(const Status& status, const std::string& message) {
-  return Status(status.code(), status.reason(), message);
-}
-
 // What has become of a session that is not whole, and the way back.
 Status Explain(const Status& failure, const ReplayReport& report, const Robot& robot,
-               const ReplayOptions& options, const Status& ended) {
+               const ReplayOptions& options, const Result<SessionSummary>& ended) {
   const std::string& id = report.session;
-  const std::string asked =
-      std::to_string(report.entries.size()) + " of " + std::to_string(robot.QueryCount());
+  const std::string revoke = "`maploc-map revoke --session " + id + "`";
+  const std::string answers = std::to_string(report.entries.size()) + " of " +
+                              std::to_string(robot.QueryCount()) + " answers";
   std::string text = failure.message() + "; session " + id;
   if (!ended.ok()) {
-    text += (failure.message() == ended.message()
-                 ? ""
-                 : " could not be ended (" + ended.message() + ") and") +
-            " may be open still, after " + asked + " queries: `maploc end-session --session " + id +
-            "` ends it, `maploc-map revoke --session " + id + "` takes it back";
-  } else if (options.keep_partial) {
-    text += " was ended after " + asked + " queries, which count";
+    text += " has " + answers + " and may be open still: `maploc end-session --session " + id +
+            "` ends it, " + revoke + " takes it back";
+  } else if (ended->queries == 0) {
+    text += " was ended, and nothing was counted";
   } else {
-    text += " was ended after " + asked +
-            " queries, which count until `maploc-map revoke --session " + id + "` takes them back";
+    text += " was ended after " + answers + ", and " + std::to_string(ended->queries) +
+            " queries count" + (options.keep_partial ? "" : " until " + revoke + " takes it back");
   }
-  return WithMessage(failure, text);
+  return Status(failure.code(), failure.reason(), text);
 }
 
 }  // namespace
@@ -178,7 +172,7 @@ Result<ReplayReport> Replay(const Client& client, const std::string& map, const 
   if (ended.ok()) report.summary = *ended;
   if (report.failure.ok()) report.failure = ended.status();
   if (report.failure.ok()) return report;
-  report.failure = Explain(report.failure, report, robot, options, ended.status());
+  report.failure = Explain(report.failure, report, robot, options, ended);
   if (!options.keep_partial) return report.failure;
   return report;
 }
