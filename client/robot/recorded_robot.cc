@@ -2,19 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
-#include "client/api/names.h"
 #include "client/robot/metrics.h"
-#include "client/robot/missing.h"
 #include "client/robot/photo_header.h"
 #include "client/robot/strongest.h"
 #include "mapstore/features/features.h"
 
 namespace maploc {
 namespace {
-
-constexpr int kMaxSentPoints = 20000;  // the wire's: localization_service.proto
 
 // Undoes v = 512 sqrt(x / |x|_1), and scales as OpenCV does: 512 x / |x|_2.
 void PlainFromRootSift(std::uint8_t* row, int size) {
@@ -43,13 +38,6 @@ bool IsPlainFromRoot(const DescriptorKind& have, const DescriptorKind& want) {
   return have.name == "sift_root_u8" && want.name == "sift_u8";
 }
 
-Status CheckConvertible(const DescriptorKind& have, const DescriptorKind& want) {
-  const bool same_bits = have.metric == want.metric && have.bytes == want.bytes &&
-                         want.metric == DescriptorMetric::kHamming;
-  const bool convertible = have == want || IsPlainFromRoot(have, want) || same_bits;
-  return convertible ? Status::Ok() : KindMismatch(have, want);
-}
-
 std::vector<ColmapImage> SortedByName(const ColmapModel& model) {
   std::vector<ColmapImage> images;
   for (const auto& [id, image] : model.images) images.push_back(image);
@@ -58,6 +46,13 @@ std::vector<ColmapImage> SortedByName(const ColmapModel& model) {
 }
 
 }  // namespace
+
+Status CheckConvertible(const DescriptorKind& have, const DescriptorKind& want) {
+  const bool same_bits = have.metric == want.metric && have.bytes == want.bytes &&
+                         want.metric == DescriptorMetric::kHamming;
+  const bool convertible = have == want || IsPlainFromRoot(have, want) || same_bits;
+  return convertible ? Status::Ok() : KindMismatch(have, want);
+}
 
 Result<PointFeatures> ConvertToKind(PointFeatures points, const DescriptorKind& kind) {
   Descriptors& descriptors = points.descriptors;
@@ -94,83 +89,6 @@ std::vector<std::string> RecordedRobot::ImageNames() const {
   std::vector<std::string> names;
   for (const ColmapImage& image : images_) names.push_back(image.name);
   return names;
-}
-
-Status RecordedRobot::CheckInputs() const {
-  const int max_features = options_.max_features.value_or(kMaxSentPoints);
-  if (max_features < 1 || max_features > kMaxSentPoints) {
-    return InvalidArgument("--max-features", "must lie in 1 to " + std::to_string(kMaxSentPoints) +
-                                                 ", which is what a server takes");
-  }
-  for (const ColmapImage& image : images_) {
-    const Status named = CheckName("image name", image.name);
-    if (!named.ok()) return named.WithContext(options_.model_dir);
-  }
-  MAPLOC_RETURN_IF_ERROR(gravity_.CheckHas(ImageNames()));
-  if (!options_.database.empty()) MAPLOC_RETURN_IF_ERROR(CheckDatabase());
-  return ReadsPhotos() ? CheckPhotos() : Status::Ok();
-}
-
-Status RecordedRobot::CheckDatabase() const {
-  std::vector<std::string> missing;
-  for (const ColmapImage& image : images_) {
-    if (!features_.contains(image.name)) missing.push_back(image.name);
-  }
-  if (!missing.empty()) {
-    return InvalidFile(options_.database, MissingText(missing, images_.size(), "row in it") +
-                                              "; give the database that the model was made of");
-  }
-  for (const ColmapImage& image : images_) {
-    const PointFeatures& points = features_.at(image.name).points;
-    if (!ReadsDatabase() || points.keypoints_px.empty()) continue;
-    // One kind a database: the first image with features stands for all.
-    const Status kind = CheckConvertible(points.descriptors.kind, map_.point_descriptor);
-    return kind.WithContext(options_.database);
-  }
-  return Status::Ok();
-}
-
-Status RecordedRobot::CheckPhotos() const {
-  // Too small to detect anything in it: only whether there is a detector of the map's kind.
-  if (DetectsPoints()) {
-    MAPLOC_RETURN_IF_ERROR(DetectPoints(GrayImage{1, 1, {0}}, map_.point_descriptor).status());
-  }
-  std::vector<std::string> missing;
-  for (int i = 0; i < QueryCount(); ++i) {
-    if (!std::filesystem::is_regular_file(ImagePath(i))) missing.push_back(images_[i].name);
-  }
-  if (!missing.empty()) {
-    return InvalidFile(options_.images,
-                       MissingText(missing, images_.size(), "photo in it") +
-                           "; --images is the folder that the model's names start from" +
-                           (options_.database.empty() ? "" : ", without it points alone are sent"));
-  }
-  for (int i = 0; i < QueryCount(); ++i) {
-    const std::optional<PhotoHeader> header = ReadPhotoHeader(ImagePath(i));
-    if (!header) continue;
-    MAPLOC_RETURN_IF_ERROR(CheckPhotoSize(ImagePath(i), header->width_px, header->height_px,
-                                          model_.cameras.at(images_[i].camera_id),
-                                          options_.model_dir));
-  }
-  return Status::Ok();
-}
-
-std::vector<std::string> RecordedRobot::Notes() const {
-  if (!ReadsDatabase()) return {};
-  const auto most = static_cast<std::size_t>(options_.max_features.value_or(kMaxSentPoints));
-  std::size_t images = 0;
-  bool scales = true;
-  for (const ColmapImage& image : images_) {
-    const ColmapFeatures& features = features_.at(image.name);
-    if (features.points.keypoints_px.size() <= most) continue;
-    ++images;
-    scales = scales && !features.scales_px.empty();
-  }
-  if (images == 0) return {};
-  return {std::to_string(images) + " of " + std::to_string(images_.size()) +
-          " images have more than " + std::to_string(most) + " points in " + options_.database +
-          "; of each " + std::to_string(most) + " are sent (--max-features), " +
-          (scales ? "those of the largest scale" : "evenly chosen, for no scale is stored")};
 }
 
 Rigid3 RecordedRobot::CameraFromMap(int index) const {

@@ -14,6 +14,9 @@
 
 namespace maploc {
 
+// Points of one query that a server takes: localization_service.proto.
+inline constexpr int kMaxSentPoints = 20000;
+
 struct RecordingOptions {
   std::string model_dir;  // COLMAP model; its poses are the reference
   std::string database;   // point features; may be empty
@@ -42,7 +45,8 @@ class RecordedRobot : public Robot {
   // From the model's points that the image observes; nullopt where it has none.
   std::optional<double> SceneDepth(int index) const override;
 
-  // What a person should know before the queries are sent, a sentence each: points left out.
+  // What a person should know before the queries are sent, a sentence each: points left out,
+  // photos that are shown turned.
   std::vector<std::string> Notes() const;
 
   // The file of an image; empty without `images`.
@@ -57,6 +61,8 @@ class RecordedRobot : public Robot {
   Status CheckInputs() const;
   Status CheckDatabase() const;
   Status CheckPhotos() const;
+  std::string PointsNote() const;
+  std::string OrientationNote() const;
   bool WantsPoints() const { return !map_.point_descriptor.name.empty(); }
   bool WantsLines() const { return !map_.line_descriptor.name.empty(); }
   bool ReadsDatabase() const { return WantsPoints() && !options_.database.empty(); }
@@ -71,6 +77,9 @@ class RecordedRobot : public Robot {
   std::vector<ColmapImage> images_;  // by name
   std::map<std::string, ColmapFeatures> features_;
 };
+
+// FAILED_PRECONDITION (DESCRIPTOR_KIND_MISMATCH) where ConvertToKind cannot make `want` of `have`.
+Status CheckConvertible(const DescriptorKind& have, const DescriptorKind& want);
 
 // `points` with the map's kind: the same kind, or a binary one of the same length under another
 // name (COLMAP's database names none), or COLMAP's L1-root SIFT turned into plain SIFT. Else

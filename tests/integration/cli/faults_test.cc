@@ -1,6 +1,9 @@
 // What people really have: several cameras, half a recording, a proxy, names of another encoding.
+#include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -79,6 +82,28 @@ TEST_F(FaultsTest, AnInterruptedReplayEndsItsSessionAndTellsItsId) {
     if (session["queries"] == 0) continue;
     EXPECT_THAT(folder_->Read("replay.stderr"), HasSubstr("maploc-map revoke --session " + id));
   }
+}
+
+// The server stands still in the middle of a session, for longer than one answer may take.
+TEST_F(FaultsTest, ALateQueryIsCountedAndTheReplayGoesOn) {
+  const std::size_t before = Sessions().size();
+  Output run;
+  std::thread replay([&] { run = RunBinary(Replay() + "--timeout 2 --json"); });
+  EXPECT_TRUE(WaitFor([&] { return Sessions().size() > before; }));
+  kill(server_->pid(), SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  kill(server_->pid(), SIGCONT);
+  replay.join();
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const Json json = Json::parse(run.out);
+  EXPECT_EQ(json["per_query"].size(), 180u);
+  EXPECT_GE(json["deadline_exceeded"], 1);
+  EXPECT_EQ(json["complete"], true);
+  const int late = static_cast<int>(std::ranges::count_if(json["per_query"], [](const Json& query) {
+    return query["outcome"] == "DEADLINE_EXCEEDED" && query["translation_error_m"].is_null();
+  }));
+  EXPECT_EQ(json["deadline_exceeded"], late);
+  EXPECT_THAT(run.error, HasSubstr("--timeout SECONDS waits longer"));
 }
 
 TEST_F(FaultsTest, ALateAnswerNamesTheFlagThatWaitsLonger) {

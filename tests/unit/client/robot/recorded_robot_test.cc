@@ -144,6 +144,23 @@ TEST_F(RecordedRobotTest, TellsHowManyPhotosAreMissingAndWhereTheyWereLookedFor)
   EXPECT_TRUE(Open().MakeQuery(1).ok());
 }
 
+// A phone's gravity may be of the photo as it is shown.
+TEST_F(RecordedRobotTest, SaysThatMeasuredGravityMustBeOfTheStoredPixels) {
+  options_.images = folder_.path();
+  map_.line_descriptor = *DescriptorKindFromName("lbd");
+  const std::string exif("Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0", 28);
+  const std::string jpeg = "\xff\xd8\xff\xe1" + std::string("\0\x1e", 2) + exif +
+                           std::string("\xff\xc0\0\x08\x08\0\x30\0\x40\x01", 10);
+  folder_.Write("a", jpeg);
+  folder_.Write("b", "P5 64 48 255\n" + std::string(64 * 48, '\x80'));
+  EXPECT_TRUE(Open().Notes().empty());
+  folder_.Write("gravity.csv", "a,0,1,0\nb,0,1,0\n");
+  options_.gravity.csv = folder_.File("gravity.csv");
+  const RecordedRobot robot = Open();
+  ASSERT_EQ(robot.Notes().size(), 1u);
+  EXPECT_THAT(robot.Notes()[0], HasSubstr("1 of 2 photos have an EXIF orientation"));
+}
+
 // Photos that no query needs are not asked for.
 TEST_F(RecordedRobotTest, PhotosAreNotNeededWhereTheMapHasNoLinesAndTheDatabaseThePoints) {
   options_.images = folder_.File("photos");
