@@ -9,11 +9,11 @@
 
 #include <grpcpp/grpcpp.h>
 
-#include "client/api/names.h"
 #include "client/api/proxy.h"
 #include "client/api/remote_from_proto.h"
 #include "maploc/v1/localization_service.grpc.pb.h"
 #include "maploc/v1/map_service.grpc.pb.h"
+#include "mapstore/base/name.h"
 #include "proto/convert/convert.h"
 
 namespace maploc {

@@ -1,10 +1,10 @@
 // What a recorded robot looks at before its first query.
 #include <filesystem>
 
-#include "client/api/names.h"
 #include "client/robot/missing.h"
 #include "client/robot/photo_header.h"
 #include "client/robot/recorded_robot.h"
+#include "mapstore/base/name.h"
 #include "mapstore/features/features.h"
 
 namespace maploc {
@@ -16,8 +16,11 @@ Status RecordedRobot::CheckInputs() const {
                                                  ", which is what a server takes");
   }
   for (const ColmapImage& image : images_) {
-    const Status named = CheckName("image name", image.name);
-    if (!named.ok()) return named.WithContext(options_.model_dir);
+    const Status named = CheckName("name of image " + std::to_string(image.id), image.name);
+    if (named.ok()) continue;
+    return Status(named.code(), named.reason(),
+                  options_.model_dir + ": " + named.message() +
+                      "; rename it in the model, the database and the folder");
   }
   MAPLOC_RETURN_IF_ERROR(gravity_.CheckHas(ImageNames()));
   if (!options_.database.empty()) MAPLOC_RETURN_IF_ERROR(CheckDatabase());

@@ -1,8 +1,27 @@
 #include "mapstore/model/descriptor.h"
 
 #include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "mapstore/base/median.h"
 
 namespace maploc {
+
+namespace {
+
+constexpr int kScaleSamples = 256;
+constexpr double kSiftLength = 512.0;
+// Rounding leaves 511 to 514 of some 50,000 rows of three photo collections.
+constexpr double kSiftLengthTolerance = 25.0;
+
+double Length(std::span<const std::uint8_t> row) {
+  int sum = 0;
+  for (const int value : row) sum += value * value;
+  return std::sqrt(sum);
+}
+
+}  // namespace
 
 Result<DescriptorKind> DescriptorKindFromName(std::string_view name) {
   const std::string owned(name);
@@ -23,6 +42,27 @@ Result<DescriptorKind> DescriptorKindFromName(std::string_view name) {
   return InvalidArgument("descriptor kind", "'" + owned +
                                                 "' is unknown; known are orb, sift_root_u8, "
                                                 "sift_u8, lbd and binaryN (N bytes, 1 to 512)");
+}
+
+std::string ToText(const DescriptorKind& kind) {
+  const char* metric = kind.metric == DescriptorMetric::kHamming ? "Hamming" : "L2";
+  return "'" + kind.name + "' (" + std::to_string(kind.bytes) + " bytes, " + metric + " distance)";
+}
+
+Status CheckScale(const Descriptors& descriptors, std::string_view field) {
+  const std::string& name = descriptors.kind.name;
+  if ((name != "sift_root_u8" && name != "sift_u8") || descriptors.size() == 0) return Status::Ok();
+  std::vector<double> lengths;
+  for (int row = 0; row < descriptors.size(); row += 1 + descriptors.size() / kScaleSamples) {
+    lengths.push_back(Length(descriptors.row(row)));
+  }
+  const double median = UpperMedian(std::move(lengths));
+  if (std::abs(median - kSiftLength) <= kSiftLengthTolerance) return Status::Ok();
+  return InvalidArgument(field,
+                         "have a median length of " + std::to_string(std::lround(median)) + ", " +
+                             name + " has 512: scale its rows to length 1, then by 512, and cut " +
+                             "at 255",
+                         "DESCRIPTOR_SCALE");
 }
 
 }  // namespace maploc

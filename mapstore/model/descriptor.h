@@ -33,6 +33,9 @@ inline constexpr int kMaxDescriptorBytes = 512;
 // bytes, Hamming). Error: names the known ones.
 Result<DescriptorKind> DescriptorKindFromName(std::string_view name);
 
+// "'orb' (32 bytes, Hamming distance)": all that two kinds can differ in.
+std::string ToText(const DescriptorKind& kind);
+
 // Rows of equal length in one block. Plain value.
 struct Descriptors {
   DescriptorKind kind;
@@ -44,5 +47,10 @@ struct Descriptors {
             static_cast<std::size_t>(kind.bytes)};
   }
 };
+
+// INVALID_ARGUMENT (DESCRIPTOR_SCALE) where most rows cannot be what their kind's name says: both
+// kinds of SIFT have length 512 by definition, and those scaled otherwise (to 255, to 1) match a
+// third of what they should, without a word. Other kinds have no length. Looks at a sample.
+Status CheckScale(const Descriptors& descriptors, std::string_view field);
 
 }  // namespace maploc

@@ -245,6 +245,15 @@ bool AnyStandsOut(std::span<const RobotDifference> differences) {
                      [](const RobotDifference& d) { return d.stands_out; });
 }
 
+bool ContradictsGravity(const Observation& o) {
+  return o.evidence.gravity_rejected || o.outcome == Outcome::kGravityInconsistent;
+}
+
+// One query may be wrong, and so may two.
+bool AreMost(std::int64_t contradicting, std::int64_t queries) {
+  return contradicting >= 3 && 2 * contradicting > queries;
+}
+
 FleetComparison CountSessions(std::span<const RobotSession> sessions) {
   std::map<std::string, RobotComparison> robots;
   FleetComparison fleet;
@@ -256,6 +265,7 @@ FleetComparison CountSessions(std::span<const RobotSession> sessions) {
     for (const Observation& o : session.observations) {
       robot.localized += o.outcome == Outcome::kLocalized ? 1 : 0;
       robot.calibration_inconsistent += o.outcome == Outcome::kCalibrationInconsistent ? 1 : 0;
+      robot.gravity_rejected += ContradictsGravity(o) ? 1 : 0;
     }
     fleet.sessions.push_back({session.session, {}});
   }
@@ -304,8 +314,10 @@ bool RobotComparison::StandsOut() const { return AnyStandsOut(differences); }
 bool SessionComparison::StandsOut() const { return AnyStandsOut(differences); }
 
 bool RobotComparison::CalibrationIsOff() const {
-  return calibration_inconsistent >= 3 && 2 * calibration_inconsistent > queries;
+  return AreMost(calibration_inconsistent, queries);
 }
+
+bool RobotComparison::GravityIsOff() const { return AreMost(gravity_rejected, queries); }
 
 FleetComparison CompareRobots(std::span<const RobotSession> sessions,
                               const RobotComparisonOptions& options) {

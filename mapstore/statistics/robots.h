@@ -62,11 +62,15 @@ struct RobotComparison {
   std::int64_t localized = 0;
   // Queries whose matches contradict the calibration that was sent.
   std::int64_t calibration_inconsistent = 0;
+  // Queries whose matches contradict the gravity that was sent, localized without it or not at all.
+  std::int64_t gravity_rejected = 0;
   std::vector<RobotDifference> differences;  // ascending by metric; those that can be compared
   bool StandsOut() const;
   // Most of its queries are calibration_inconsistent, three at least (one pose may be wrong). Each
   // was judged by itself, so that this needs no other robot.
   bool CalibrationIsOff() const;
+  // The same of gravity_rejected.
+  bool GravityIsOff() const;
 };
 
 struct SessionComparison {

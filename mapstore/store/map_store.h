@@ -140,6 +140,8 @@ class MapStore {
   // UNAVAILABLE (STORE_REPLACED) where what is kept is no longer what was opened: somebody replaced
   // or deleted it. Every read and write says the same from then on. Cheap.
   virtual Status CheckIdentity() const = 0;
+  // What would change anything is FAILED_PRECONDITION (STORE_READ_ONLY).
+  virtual bool read_only() const { return false; }
   // Reads everything and checks every invariant; names what is broken.
   virtual Status Verify() const = 0;
 };

@@ -49,7 +49,10 @@ Status SqliteConnections::Writer::CommitVisibly() {
 Result<std::unique_ptr<SqliteConnections>> SqliteConnections::Open(
     const std::string& path, const SqliteStoreOptions& options) {
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase writer, OpenStoreFile(path, options));
-  MAPLOC_ASSIGN_OR_RETURN(auto identity, SqliteIdentity::Of(writer));
+  std::unique_ptr<SqliteIdentity> identity;
+  if (!writer.IsReadOnly()) {
+    MAPLOC_ASSIGN_OR_RETURN(identity, SqliteIdentity::Of(writer));
+  }
   return std::unique_ptr<SqliteConnections>(
       new SqliteConnections(std::move(writer), std::move(identity), options));
 }
@@ -63,6 +66,7 @@ SqliteConnections::SqliteConnections(SqliteDatabase writer,
 }
 
 SqliteConnections::~SqliteConnections() {
+  if (read_only()) return;
   static_cast<void>(Read());  // a last look
   if (identity_->state() == SqliteIdentity::State::kGood) return;
   LeaveLogAtClose(writer_);
@@ -81,7 +85,7 @@ void SqliteConnections::FoldLog() {
 // Emptied into the file that it belongs to, which is open still, it can harm nobody; and where that
 // file was only moved away, it is whole.
 void SqliteConnections::FoldLogOfMovedStore() {
-  if (folded_ || identity_->state() != SqliteIdentity::State::kMoved) return;
+  if (read_only() || folded_ || identity_->state() != SqliteIdentity::State::kMoved) return;
   folded_ = writer_.Execute("PRAGMA wal_checkpoint(TRUNCATE)").ok();
 }
 
@@ -95,16 +99,22 @@ Result<SqliteConnections::Reader> SqliteConnections::Read() {
 }
 
 Status SqliteConnections::Begin(Reader& reader) {
-  MAPLOC_RETURN_IF_ERROR(identity_->CheckPaths());
+  MAPLOC_RETURN_IF_ERROR(CheckIdentity());
   MAPLOC_ASSIGN_OR_RETURN(reader.database_, TakeReader());
   MAPLOC_ASSIGN_OR_RETURN(
       SqliteTransaction transaction,
       SqliteTransaction::Begin(*reader.database_, SqliteTransaction::Kind::kRead));
   reader.transaction_ = std::make_unique<SqliteTransaction>(std::move(transaction));
-  return identity_->Check(*reader.database_);
+  return identity_ ? identity_->Check(*reader.database_) : Status::Ok();
 }
 
 Result<SqliteConnections::Writer> SqliteConnections::Write() {
+  if (read_only()) {
+    return FailedPrecondition("STORE_READ_ONLY",
+                              path() +
+                                  ": the store may only be read, so nothing can be kept (the "
+                                  "file, its folder or its disk is read-only for this user)");
+  }
   Writer writer(*this);
   if (const Status status = identity_->CheckPaths(); !status.ok()) {
     FoldLogOfMovedStore();
@@ -126,10 +136,11 @@ Result<std::unique_ptr<SqliteDatabase>> SqliteConnections::TakeReader() {
     free_readers_.pop_back();
     return database;
   }
-  MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase database, SqliteDatabase::Open(path(), SqliteAccess::kRead,
-                                                                        options_.busy_timeout_ms));
+  const SqliteAccess access = read_only() ? writer_.access() : SqliteAccess::kRead;
+  MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase database,
+                          SqliteDatabase::Open(path(), access, options_.busy_timeout_ms));
   // Else it may be a connection to another file.
-  MAPLOC_RETURN_IF_ERROR(identity_->CheckPaths());
+  MAPLOC_RETURN_IF_ERROR(CheckIdentity());
   ++readers_;
   return std::make_unique<SqliteDatabase>(std::move(database));
 }

@@ -1,6 +1,8 @@
 // A store's connections: one that writes, behind a mutex, and some that read, each used by one
 // thread at a time. With write-ahead logging no reader waits for the writer. Thread-safe.
 //
+// Where nothing may be written (CanWriteStore) there is no look at all: Write is STORE_READ_ONLY.
+//
 // Every read and write begins, and every commit ends, with a look whether the path still names the
 // store: else UNAVAILABLE (STORE_REPLACED), for good.
 #pragma once
@@ -63,10 +65,11 @@ class SqliteConnections {
 
   const std::string& path() const { return writer_.path(); }
   const SqliteStoreOptions& options() const { return options_; }
+  bool read_only() const { return writer_.IsReadOnly(); }
   Result<Reader> Read();
   Result<Writer> Write();
   // Whether the path still names the store, by the names of its files alone: a few microseconds.
-  Status CheckIdentity() { return identity_->CheckPaths(); }
+  Status CheckIdentity() { return identity_ ? identity_->CheckPaths() : Status::Ok(); }
 
  private:
   SqliteConnections(SqliteDatabase writer, std::unique_ptr<SqliteIdentity> identity,
@@ -84,7 +87,7 @@ class SqliteConnections {
   SqliteDatabase writer_;  // guarded by write_mutex_
   int log_pages_ = 0;      // in the log after the last commit; guarded by write_mutex_
   bool folded_ = false;    // guarded by write_mutex_
-  const std::unique_ptr<SqliteIdentity> identity_;
+  const std::unique_ptr<SqliteIdentity> identity_;  // null: read_only
 
   std::mutex read_mutex_;
   std::condition_variable reader_free_;

@@ -13,6 +13,7 @@ int OpenFlags(SqliteAccess access) {
   if (access == SqliteAccess::kFileAlone) {
     return SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
   }
+  if (access == SqliteAccess::kReadOnly) return SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_READONLY;
   // Connections are guarded by their owners, so SQLite needs no mutex of its own. Readers open for
   // writing too, because only then can they take part in the write-ahead log's shared memory;
   // query_only keeps them from writing.
@@ -47,6 +48,11 @@ int WaitForLock(void* timeout_ms, int times_before) {
 
 }  // namespace
 
+Status NotAStore(const std::string& path, std::string_view what) {
+  return Status(StatusCode::kDataLoss, "INVALID_FILE",
+                path + ": is not a maploc store (it " + std::string(what) + ")");
+}
+
 void SqliteDatabase::Close::operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
 
 Result<SqliteDatabase> SqliteDatabase::Open(const std::string& path, SqliteAccess access,
@@ -54,7 +60,7 @@ Result<SqliteDatabase> SqliteDatabase::Open(const std::string& path, SqliteAcces
   sqlite3* handle = nullptr;
   const std::string name = access == SqliteAccess::kFileAlone ? FileAloneUri(path) : FileName(path);
   const int result = sqlite3_open_v2(name.c_str(), &handle, OpenFlags(access), nullptr);
-  SqliteDatabase database(path, handle);
+  SqliteDatabase database(path, access, handle);
   if (result != SQLITE_OK) return database.ErrorOf(result);
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_handler(handle, &WaitForLock,
@@ -82,7 +88,7 @@ Status SqliteDatabase::ErrorOf(int result_code) const {
   const std::string where = path_ + ": ";
   switch (result_code & 0xff) {
     case SQLITE_NOTADB:
-      return InvalidFile(path_, "is not a maploc store (not an SQLite database)");
+      return NotAStore(path_, "is not an SQLite database");
     case SQLITE_CORRUPT:
       return Status(
           StatusCode::kDataLoss, "DAMAGED_STORE",

@@ -22,17 +22,25 @@ enum class SqliteAccess {
   kRead,
   kWrite,
   kCreate,
+  kReadOnly,   // where nothing may be written, beside a program that does
   kFileAlone,  // reads the main file as it lies there: no lock, no log, and nothing appears beside
 };
 
+// DATA_LOSS (INVALID_FILE). `what` goes on after "it": "is empty".
+Status NotAStore(const std::string& path, std::string_view what);
+
 class SqliteDatabase {
  public:
-  // kRead and kFileAlone refuse every write. DATA_LOSS where the file is damaged, UNAVAILABLE where
-  // it cannot be opened; messages name the file.
+  // kRead, kReadOnly and kFileAlone refuse every write. DATA_LOSS where the file is damaged,
+  // UNAVAILABLE where it cannot be opened; messages name the file.
   static Result<SqliteDatabase> Open(const std::string& path, SqliteAccess access,
                                      int busy_timeout_ms);
 
   const std::string& path() const { return path_; }
+  SqliteAccess access() const { return access_; }
+  bool IsReadOnly() const {
+    return access_ == SqliteAccess::kReadOnly || access_ == SqliteAccess::kFileAlone;
+  }
   sqlite3* handle() const { return handle_.get(); }
   // One or more statements without results.
   Status Execute(const std::string& sql);
@@ -46,9 +54,11 @@ class SqliteDatabase {
   struct Close {
     void operator()(sqlite3* handle) const;
   };
-  SqliteDatabase(std::string path, sqlite3* handle) : path_(std::move(path)), handle_(handle) {}
+  SqliteDatabase(std::string path, SqliteAccess access, sqlite3* handle)
+      : path_(std::move(path)), access_(access), handle_(handle) {}
 
   std::string path_;
+  SqliteAccess access_;
   std::unique_ptr<sqlite3, Close> handle_;
 };
 

@@ -7,6 +7,9 @@
 #include <fstream>
 #include <thread>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include "mapstore/store/schema.h"
 #include "mapstore/store/sqlite_log.h"
 #include "mapstore/store/sqlite_migration.h"
@@ -49,10 +52,10 @@ Status CheckHeader(const std::string& path) {
   file.read(reinterpret_cast<char*>(header.data()), header.size());
   const bool whole = file.gcount() == static_cast<std::streamsize>(header.size());
   if (!whole || std::memcmp(header.data(), kMagic.data(), kMagic.size()) != 0) {
-    return InvalidFile(path, "is not a maploc store (not an SQLite database)");
+    return NotAStore(path, "is not an SQLite database");
   }
   if (BigEndian32(header, kApplicationIdAt) != static_cast<std::uint32_t>(kStoreApplicationId)) {
-    return InvalidFile(path, "is not a maploc store (an SQLite database of another application)");
+    return NotAStore(path, "is an SQLite database of another application");
   }
   const std::uint32_t version = BigEndian32(header, kUserVersionAt);
   if (version > static_cast<std::uint32_t>(StoreSchemaVersion())) return TooNew(path, version);
@@ -70,11 +73,11 @@ Result<bool> CheckPath(const std::string& path, bool create) {
                   path + ": there is no such store; check --store, or make one by an import");
   }
   if (!std::filesystem::is_regular_file(status)) {
-    return InvalidFile(path, "is not a file, so no maploc store");
+    return NotAStore(path, "is not a file");
   }
   if (std::filesystem::file_size(path, error) > 0) return true;
   if (create) return false;
-  return InvalidFile(path, "is empty, so no maploc store; make one by an import");
+  return NotAStore(path, "is empty; make a store by an import");
 }
 
 Result<std::int64_t> UserVersion(SqliteDatabase& database) {
@@ -136,7 +139,44 @@ Status CheckBytes(const std::string& path) {
   return CheckLog(path);
 }
 
+Status NotOfThisProgram(const std::string& path) {
+  return FailedPrecondition("STORE_TOO_OLD",
+                            path +
+                                ": was written by another version of maploc, and this one may "
+                                "not write there to bring it up to date; copy it with `cp` to "
+                                "where it can");
+}
+
+// A program that has a store open has its log there; without one the file is whole and still.
+SqliteAccess AccessWithoutWriting(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::exists(path + "-wal", error) ? SqliteAccess::kReadOnly
+                                                       : SqliteAccess::kFileAlone;
+}
+
+Result<SqliteDatabase> OpenWithoutWriting(const std::string& path,
+                                          const SqliteStoreOptions& options) {
+  MAPLOC_ASSIGN_OR_RETURN(
+      SqliteDatabase database,
+      SqliteDatabase::Open(path, AccessWithoutWriting(path), options.busy_timeout_ms));
+  MAPLOC_ASSIGN_OR_RETURN(const std::int64_t version, UserVersion(database));
+  if (version != StoreSchemaVersion()) return NotOfThisProgram(path);
+  MAPLOC_ASSIGN_OR_RETURN(const bool stale, IsStale(database));
+  if (stale) return NotOfThisProgram(path);
+  return database;
+}
+
 }  // namespace
+
+bool CanWriteStore(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return true;
+  const std::filesystem::path real = std::filesystem::canonical(path, error);
+  const auto can_write = [](const std::filesystem::path& name) {
+    return faccessat(AT_FDCWD, name.c_str(), W_OK, AT_EACCESS) == 0;
+  };
+  return error || (can_write(real) && can_write(real.parent_path()));
+}
 
 Status CheckStoreFile(const std::string& path) {
   MAPLOC_RETURN_IF_ERROR(CheckPath(path, /*create=*/false).status());
@@ -146,6 +186,7 @@ Status CheckStoreFile(const std::string& path) {
 Result<SqliteDatabase> OpenStoreFile(const std::string& path, const SqliteStoreOptions& options) {
   MAPLOC_ASSIGN_OR_RETURN(const bool exists, CheckPath(path, options.create));
   if (exists) MAPLOC_RETURN_IF_ERROR(CheckBytes(path));
+  if (exists && !CanWriteStore(path)) return OpenWithoutWriting(path, options);
   const SqliteAccess access = exists ? SqliteAccess::kWrite : SqliteAccess::kCreate;
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase database,
                           SqliteDatabase::Open(path, access, options.busy_timeout_ms));

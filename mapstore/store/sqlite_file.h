@@ -15,8 +15,9 @@ struct SqliteStoreOptions;
 // OpenSqliteStore says, and nothing is touched.
 Status CheckStoreFile(const std::string& path);
 
-// The connection that writes, to a store of the current schema. Errors as OpenSqliteStore says; a
-// file that is refused has not been touched.
+// The connection that writes, to a store of the current schema; where CanWriteStore says no, one
+// that only reads (IsReadOnly). Errors as OpenSqliteStore says; a file that is refused has not been
+// touched.
 Result<SqliteDatabase> OpenStoreFile(const std::string& path, const SqliteStoreOptions& options);
 
 }  // namespace maploc

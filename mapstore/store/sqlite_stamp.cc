@@ -52,7 +52,7 @@ Result<StampInFile> ReadStampInFile(const std::string& path) {
                           SqliteDatabase::Open(path, SqliteAccess::kFileAlone, kNoWait));
   SqliteStatement page(file, "SELECT rootpage FROM sqlite_schema WHERE name = 'meta'");
   MAPLOC_ASSIGN_OR_RETURN(const bool found, page.Step());
-  if (!found) return InvalidFile(path, "is not a maploc store (it has no table 'meta')");
+  if (!found) return NotAStore(path, "has no table 'meta'");
   StampInFile result;
   result.page = page.Int(0);
   MAPLOC_ASSIGN_OR_RETURN(result.stamp, ReadStamp(file));

@@ -40,6 +40,7 @@ class SqliteStore : public MapStore {
   Result<std::vector<DecisionRecord>> ListDecisions(const MapKey& key, SegmentId id) const override;
   Status PinStrategy(const MapKey& key, SegmentId id, std::optional<Strategy> pinned) override;
   Result<std::int64_t> ChangeCounter() const override;
+  bool read_only() const override { return connections_->read_only(); }
   Status CheckIdentity() const override { return connections_->CheckIdentity(); }
   Status Verify() const override;
 
@@ -212,7 +213,8 @@ Result<std::unique_ptr<MapStore>> OpenSqliteStore(const std::string& path,
                                                   const SqliteStoreOptions& options) {
   MAPLOC_ASSIGN_OR_RETURN(auto connections, SqliteConnections::Open(path, options));
   auto store = std::make_unique<SqliteStore>(std::move(connections));
-  if (options.sweep_abandoned_imports) MAPLOC_RETURN_IF_ERROR(store->SweepAbandonedImports());
+  if (options.sweep_abandoned_imports && !store->read_only())
+    MAPLOC_RETURN_IF_ERROR(store->SweepAbandonedImports());
   return std::unique_ptr<MapStore>(std::move(store));
 }
 

@@ -18,11 +18,16 @@ struct SqliteStoreOptions : StoreOptions {
 
 // Errors name the file, and leave it unchanged:
 // NOT_FOUND (STORE_NOT_FOUND) there is none and `create` is false;
-// INVALID_ARGUMENT (INVALID_FILE) not SQLite, or another application's SQLite;
+// DATA_LOSS (INVALID_FILE) not SQLite, or another application's SQLite;
 // FAILED_PRECONDITION (STORE_TOO_NEW) written by a newer maploc;
 // DATA_LOSS truncated or damaged; UNAVAILABLE cannot be opened or locked.
 Result<std::unique_ptr<MapStore>> OpenSqliteStore(const std::string& path,
                                                   const SqliteStoreOptions& options = {});
+
+// Whether file and folder may be written by this process; true where there is no store yet. Where
+// not, OpenSqliteStore opens a store to read: what would change it is FAILED_PRECONDITION
+// (STORE_READ_ONLY), and a schema or derivation of another version STORE_TOO_OLD.
+bool CanWriteStore(const std::string& path);
 
 // Copies the store at `from` while it may be in use, as one consistent state. `to` must not exist;
 // it appears only when complete.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mapstore/base/ids.h"
+#include "mapstore/base/name.h"
 
 namespace maploc {
 namespace {
@@ -18,10 +19,7 @@ Status ValidateKind(const DescriptorKind& kind, std::string_view field) {
                                       std::to_string(kMaxDescriptorBytes) + ", not " +
                                       std::to_string(kind.bytes));
   }
-  if (kind.name.size() > static_cast<std::size_t>(kMaxIdBytes)) {
-    return InvalidArgument(field, "its name is too long");
-  }
-  return Status::Ok();
+  return CheckName(field, kind.name);
 }
 
 Status ValidateCounts(const FeatureCounts& counts, std::string_view field) {
@@ -36,14 +34,8 @@ bool IsSelectable(Strategy strategy) {
 }  // namespace
 
 Status ValidateMapInfo(const MapInfo& info) {
-  const std::string& name = info.key.name;
-  const bool printable = std::none_of(name.begin(), name.end(), [](char c) {
-    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-  });
-  if (name.empty() || name.size() > static_cast<std::size_t>(kMaxIdBytes) || !printable) {
-    return InvalidArgument("map.name", "must have 1 to " + std::to_string(kMaxIdBytes) +
-                                           " bytes and no control characters");
-  }
+  if (info.key.name.empty()) return InvalidArgument("map.name", "is required", "REQUIRED");
+  MAPLOC_RETURN_IF_ERROR(CheckName("map.name", info.key.name));
   MAPLOC_RETURN_IF_ERROR(ValidateKind(info.point_descriptor, "map.point_descriptor"));
   MAPLOC_RETURN_IF_ERROR(ValidateKind(info.line_descriptor, "map.line_descriptor"));
   const Similarity3& transform = info.map_from_source;
@@ -68,7 +60,9 @@ Status ValidateNewSession(const Session& session) {
   if (session.end != SessionEnd::kOpen) {
     return InvalidArgument("session.end", "a session starts open");
   }
-  if (session.start_unix_ns < 0) return InvalidArgument("session.start_unix_ns", "is negative");
+  if (session.start_unix_ns < 0) {
+    return InvalidArgument("session.start_unix_ns", "is before 1970; set this machine's clock");
+  }
   return Status::Ok();
 }
 
@@ -123,20 +117,22 @@ Status SessionExists(const SessionId& id) {
                 "session '" + id + "' exists already");
 }
 
-Status UnknownMap(const std::string& name) { return NotFound("map '" + name + "'", "UNKNOWN_MAP"); }
+Status UnknownMap(const std::string& name) {
+  return NotFound("map '" + name + "'", "MAP_NOT_FOUND");
+}
 
 Status UnknownMap(const MapKey& key) {
-  return NotFound("map '" + key.name + "' version " + std::to_string(key.version), "UNKNOWN_MAP");
+  return NotFound("map '" + key.name + "' version " + std::to_string(key.version), "MAP_NOT_FOUND");
 }
 
 Status UnknownSegment(const MapKey& key, SegmentId id) {
   return NotFound("segment " + std::to_string(id) + " of map '" + key.name + "' version " +
                       std::to_string(key.version),
-                  "UNKNOWN_SEGMENT");
+                  "SEGMENT_NOT_FOUND");
 }
 
 Status UnknownSession(const SessionId& id) {
-  return NotFound("session '" + id + "'", "UNKNOWN_SESSION");
+  return NotFound("session '" + id + "'", "SESSION_NOT_FOUND");
 }
 
 }  // namespace maploc

@@ -10,8 +10,8 @@
 
 namespace maploc {
 
-// Name (1 to kMaxIdBytes bytes, no control characters), kinds, and a similarity with finite
-// numbers, a positive scale and a unit rotation.
+// Name (as CheckName, and not empty), kinds, and a similarity with finite numbers, a positive scale
+// and a unit rotation.
 Status ValidateMapInfo(const MapInfo& info);
 // Id (printable ASCII), that it is open, and that its times are not negative.
 Status ValidateNewSession(const Session& session);

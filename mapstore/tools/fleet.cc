@@ -69,6 +69,15 @@ std::string DescribeCalibration(const RobotComparison& robot) {
          "moved since; calibrate its camera anew, with the pictures that it sends";
 }
 
+std::string DescribeGravity(const RobotComparison& robot) {
+  if (!robot.GravityIsOff()) return "";
+  return "the matches of " + std::to_string(robot.gravity_rejected) + " of its " +
+         std::to_string(robot.queries) +
+         " queries contradict the gravity that it sends: it is up instead of down, or in another "
+         "frame than the camera's (or the body's, with camera_from_body), or its pictures are "
+         "turned; send the direction down in the frame of the camera: x right, y down, z forward";
+}
+
 nlohmann::ordered_json ToJson(const std::vector<RobotDifference>& differences) {
   auto json = nlohmann::ordered_json::array();
   for (const RobotDifference& difference : differences) {

@@ -30,6 +30,8 @@ std::string DescribeFlags(const std::vector<RobotDifference>& differences);
 // In words what a robot's calibration is, by what its queries say, with cause and cure; empty where
 // most of them say nothing against it.
 std::string DescribeCalibration(const RobotComparison& robot);
+// The same of the gravity that it sends.
+std::string DescribeGravity(const RobotComparison& robot);
 // [{"metric", "own", "others", "deviation", "stands_out"}]
 nlohmann::ordered_json ToJson(const std::vector<RobotDifference>& differences);
 

@@ -16,23 +16,29 @@ struct RobotsFlags {
 };
 
 // Of its queries; nullopt: it has none.
-std::optional<double> CalibrationShare(const RobotComparison& robot) {
+std::optional<double> ShareOf(std::int64_t count, const RobotComparison& robot) {
   if (robot.queries == 0) return std::nullopt;
-  return static_cast<double>(robot.calibration_inconsistent) / static_cast<double>(robot.queries);
+  return static_cast<double>(count) / static_cast<double>(robot.queries);
+}
+
+nlohmann::ordered_json OrNull(const std::string& remark) {
+  return remark.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(remark);
 }
 
 nlohmann::ordered_json ToJson(const RobotComparison& robot) {
-  const std::string calibration = DescribeCalibration(robot);
-  return {{"robot", robot.robot},
-          {"sessions", robot.sessions},
-          {"queries", robot.queries},
-          {"localized", robot.localized},
-          {"stands_out", robot.StandsOut()},
-          {"differences", ToJson(robot.differences)},
-          {"calibration_inconsistent", robot.calibration_inconsistent},
-          {"calibration_inconsistent_share", JsonRatio(CalibrationShare(robot))},
-          {"calibration_remark", calibration.empty() ? nlohmann::ordered_json(nullptr)
-                                                     : nlohmann::ordered_json(calibration)}};
+  return {
+      {"robot", robot.robot},
+      {"sessions", robot.sessions},
+      {"queries", robot.queries},
+      {"localized", robot.localized},
+      {"stands_out", robot.StandsOut()},
+      {"differences", ToJson(robot.differences)},
+      {"calibration_inconsistent", robot.calibration_inconsistent},
+      {"calibration_inconsistent_share", JsonRatio(ShareOf(robot.calibration_inconsistent, robot))},
+      {"calibration_remark", OrNull(DescribeCalibration(robot))},
+      {"gravity_rejected", robot.gravity_rejected},
+      {"gravity_rejected_share", JsonRatio(ShareOf(robot.gravity_rejected, robot))},
+      {"gravity_remark", OrNull(DescribeGravity(robot))}};
 }
 
 // "own / others", or "-" where there is nothing to compare.
@@ -44,29 +50,30 @@ std::string Pair(const RobotComparison& robot, RobotMetric metric, double unit) 
   return "-";
 }
 
-std::string CalibrationCell(const RobotComparison& robot) {
-  return std::to_string(robot.calibration_inconsistent) + " (" +
-         FormatRatio(CalibrationShare(robot)) + ")";
+std::string CountCell(std::int64_t count, const RobotComparison& robot) {
+  return std::to_string(count) + " (" + FormatRatio(ShareOf(count, robot)) + ")";
 }
 
 void PrintTable(const FleetComparison& fleet) {
   constexpr double kDegrees = 57.29577951308232;
   Table table({"robot", "sessions", "queries", "localized", "gravity, degrees", "points", "lines",
-               "success", "calibration off", "stands out"});
+               "success", "calibration off", "gravity off", "stands out"});
   for (const RobotComparison& robot : fleet.robots) {
     table.AddRow({robot.robot, std::to_string(robot.sessions), std::to_string(robot.queries),
                   std::to_string(robot.localized), Pair(robot, RobotMetric::kGravity, kDegrees),
                   Pair(robot, RobotMetric::kPoints, 1.0), Pair(robot, RobotMetric::kLines, 1.0),
-                  Pair(robot, RobotMetric::kSuccess, 1.0), CalibrationCell(robot),
-                  DescribeFlags(robot.differences)});
+                  Pair(robot, RobotMetric::kSuccess, 1.0),
+                  CountCell(robot.calibration_inconsistent, robot),
+                  CountCell(robot.gravity_rejected, robot), DescribeFlags(robot.differences)});
   }
   table.Print(std::cout);
   std::cout << "Each pair: the robot's, and that of the other robots in the same segments at about "
                "the same "
                "time.\n";
   for (const RobotComparison& robot : fleet.robots) {
-    const std::string calibration = DescribeCalibration(robot);
-    if (!calibration.empty()) std::cout << robot.robot << ": " << calibration << ".\n";
+    for (const std::string& remark : {DescribeCalibration(robot), DescribeGravity(robot)}) {
+      if (!remark.empty()) std::cout << robot.robot << ": " << remark << ".\n";
+    }
   }
   if (fleet.robots.size() < 2) std::cout << "It takes two robots to compare.\n";
 }
@@ -87,11 +94,11 @@ Status Robots(const CommandContext& context, const RobotsFlags& flags) {
 
 void AddRobotsCommand(CLI::App& app, CommandContext& context) {
   auto flags = std::make_shared<RobotsFlags>();
-  CLI::App* command = AddCommand(
-      app, context, "robots",
-      "Compares each robot with the others in the same segments; says whose calibration is off",
-      "maploc-map robots --store campus.db --map campus",
-      [&context, flags] { return Robots(context, *flags); });
+  CLI::App* command = AddCommand(app, context, "robots",
+                                 "Compares each robot with the others in the same segments; says "
+                                 "whose calibration or gravity is off",
+                                 "maploc-map robots --store campus.db --map campus",
+                                 [&context, flags] { return Robots(context, *flags); });
   AddMapOption(*command, flags->map);
   AddVersionOption(*command, flags->version);
 }

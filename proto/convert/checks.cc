@@ -2,28 +2,12 @@
 
 #include <cmath>
 
-#include "mapstore/base/ids.h"
+#include "mapstore/base/name.h"
 
 namespace maploc::convert {
 
 std::string At(const std::string& field, std::size_t index) {
   return field + "[" + std::to_string(index) + "]";
-}
-
-Status CheckName(const std::string& field, const std::string& value) {
-  if (value.size() > kMaxIdBytes) {
-    return InvalidArgument(field,
-                           "is " + std::to_string(value.size()) + " bytes long, at most " +
-                               std::to_string(kMaxIdBytes) + " are allowed",
-                           "TOO_LONG");
-  }
-  for (const char c : value) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x20 || byte == 0x7f) {
-      return InvalidArgument(field, "holds a control character", "CONTROL_CHARACTER");
-    }
-  }
-  return Status::Ok();
 }
 
 Status CheckRequiredName(const std::string& field, const std::string& value) {

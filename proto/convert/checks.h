@@ -21,9 +21,7 @@ inline constexpr double kMaxPosition = 1e9;
 // "views[3]"
 std::string At(const std::string& field, std::size_t index);
 
-// At most kMaxIdBytes, no control characters (names go into logs and rows).
-Status CheckName(const std::string& field, const std::string& value);
-// The same, and not empty.
+// As CheckName (mapstore/base/name.h), and not empty.
 Status CheckRequiredName(const std::string& field, const std::string& value);
 // UNKNOWN_ENUM_VALUE.
 Status UnknownEnum(const std::string& field, int value);

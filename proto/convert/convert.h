@@ -39,7 +39,7 @@ struct SessionRequest {
   std::string request_id;  // may be empty
 };
 
-// Names: at most kMaxIdBytes, without control characters.
+// Names: as CheckName (mapstore/base/name.h).
 Result<SessionRequest> SessionRequestFromProto(const v1::StartSessionRequest& request);
 Result<SessionId> SessionIdFromProto(const v1::EndSessionRequest& request);
 // The field `map` of a request about one map.

@@ -1,3 +1,4 @@
+#include "mapstore/base/name.h"
 #include "proto/convert/checks.h"
 #include "proto/convert/convert.h"
 
@@ -5,7 +6,7 @@ namespace maploc {
 
 Result<DescriptorKind> DescriptorKindFromProto(const v1::DescriptorKind& kind,
                                                const std::string& field) {
-  MAPLOC_RETURN_IF_ERROR(convert::CheckName(field + ".name", kind.name()));
+  MAPLOC_RETURN_IF_ERROR(CheckName(field + ".name", kind.name()));
   if (kind.name().empty()) {
     if (kind.bytes_count() == 0 && kind.metric() == v1::DESCRIPTOR_METRIC_UNSPECIFIED) {
       return DescriptorKind{};

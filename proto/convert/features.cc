@@ -56,6 +56,7 @@ Result<Descriptors> DescriptorsFromProto(const v1::Features& features, const std
                            "DESCRIPTOR_LENGTH");
   }
   result.bytes.assign(bytes.begin(), bytes.end());
+  MAPLOC_RETURN_IF_ERROR(CheckScale(result, field + ".descriptors"));
   return result;
 }
 

@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "maploc/v1/localization_service.pb.h"
+#include "mapstore/base/name.h"
 #include "proto/convert/camera.h"
 #include "proto/convert/checks.h"
 #include "proto/convert/convert.h"
@@ -48,6 +49,9 @@ Result<std::optional<Gravity>> GravityFromProto(const v1::LocalizeRequest& reque
 
 Result<PosePrior> PriorFromProto(const v1::PosePrior& prior) {
   PosePrior result;
+  if (!prior.has_position_in_map()) {
+    return InvalidArgument("prior.position_in_map", "is required in a prior", "REQUIRED");
+  }
   MAPLOC_ASSIGN_OR_RETURN(
       result.position_in_map,
       convert::VectorFromProto(prior.position_in_map(), "prior.position_in_map"));
@@ -83,9 +87,9 @@ Result<std::optional<double>> MaxErrorFromProto(const v1::LocalizeRequest& reque
 }
 
 Status CheckNames(const v1::LocalizeRequest& request) {
-  MAPLOC_RETURN_IF_ERROR(convert::CheckName("session_id", request.session_id()));
-  MAPLOC_RETURN_IF_ERROR(convert::CheckName("map", request.map()));
-  MAPLOC_RETURN_IF_ERROR(convert::CheckName("request_id", request.request_id()));
+  MAPLOC_RETURN_IF_ERROR(CheckName("session_id", request.session_id()));
+  MAPLOC_RETURN_IF_ERROR(CheckName("map", request.map()));
+  MAPLOC_RETURN_IF_ERROR(CheckName("request_id", request.request_id()));
   if (request.session_id().empty() && request.map().empty()) {
     return InvalidArgument("map", "is required outside of a session", "REQUIRED");
   }

@@ -1,5 +1,6 @@
 // Session requests and summaries.
 #include "maploc/v1/localization_service.pb.h"
+#include "mapstore/base/name.h"
 #include "proto/convert/checks.h"
 #include "proto/convert/convert.h"
 
@@ -26,13 +27,13 @@ Result<SessionSummary::SegmentChange> ChangeFromProto(const v1::SegmentChange& c
 Result<SessionRequest> SessionRequestFromProto(const v1::StartSessionRequest& request) {
   MAPLOC_RETURN_IF_ERROR(convert::CheckRequiredName("map", request.map()));
   MAPLOC_RETURN_IF_ERROR(convert::CheckRequiredName("robot", request.robot()));
-  MAPLOC_RETURN_IF_ERROR(convert::CheckName("request_id", request.request_id()));
+  MAPLOC_RETURN_IF_ERROR(CheckName("request_id", request.request_id()));
   if (request.labels_size() > kMaxLabels) {
     return InvalidArgument("labels", "at most 32 are allowed", "TOO_MANY_LABELS");
   }
   for (const auto& [key, value] : request.labels()) {
     MAPLOC_RETURN_IF_ERROR(convert::CheckRequiredName("labels", key));
-    MAPLOC_RETURN_IF_ERROR(convert::CheckName("labels[" + key + "]", value));
+    MAPLOC_RETURN_IF_ERROR(CheckName("labels[" + key + "]", value));
   }
   return SessionRequest{.map = request.map(),
                         .robot = request.robot(),

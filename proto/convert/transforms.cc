@@ -8,6 +8,10 @@ namespace maploc {
 
 Result<Rigid3> Rigid3FromProto(const v1::Rigid3& rigid, const std::string& field) {
   Rigid3 result;
+  if (!rigid.has_translation()) {
+    return InvalidArgument(field + ".translation", "is required; send zeros where it is zero",
+                           "REQUIRED");
+  }
   MAPLOC_ASSIGN_OR_RETURN(result.rotation,
                           convert::QuaternionFromProto(rigid.rotation(), field + ".rotation"));
   MAPLOC_ASSIGN_OR_RETURN(result.translation,

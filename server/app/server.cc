@@ -1,6 +1,7 @@
 #include "server/app/server.h"
 
 #include <filesystem>
+#include <optional>
 #include <thread>
 
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
@@ -29,7 +30,18 @@ Result<std::unique_ptr<MapStore>> OpenStore(const std::string& path) {
   store_options.sweep_abandoned_imports = true;
   MAPLOC_ASSIGN_OR_RETURN(std::unique_ptr<MapStore> store, OpenSqliteStore(path, store_options));
   if (!exists) spdlog::info("{} did not exist: made a fresh store", path);
+  if (store->read_only()) {
+    spdlog::warn("{} may only be read: localizing outside of sessions alone, nothing is learned",
+                 path);
+  }
   return store;
+}
+
+// What is only read may be served twice.
+Result<std::optional<ServeLock>> Lock(const std::string& store) {
+  if (!CanWriteStore(store)) return std::optional<ServeLock>();
+  MAPLOC_ASSIGN_OR_RETURN(ServeLock lock, ServeLock::Acquire(store));
+  return std::optional<ServeLock>(std::move(lock));
 }
 
 // Before the first server is built; once a process.
@@ -44,12 +56,13 @@ void EnablePlugins() {
 
 }  // namespace
 
-Server::Server(const ServerOptions& options, std::unique_ptr<MapStore> store, ServeLock lock)
+Server::Server(const ServerOptions& options, std::unique_ptr<MapStore> store,
+               std::optional<ServeLock> lock)
     : options_(options), lock_(std::move(lock)), store_(std::move(store)) {}
 
 Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
   // First: until it is held, port file and store may be another server's.
-  MAPLOC_ASSIGN_OR_RETURN(ServeLock lock, ServeLock::Acquire(options.store));
+  MAPLOC_ASSIGN_OR_RETURN(std::optional<ServeLock> lock, Lock(options.store));
   // A port of an earlier run must not be taken for ours.
   if (!options.port_file.empty()) RemovePortFile(options.port_file);
   MAPLOC_ASSIGN_OR_RETURN(std::unique_ptr<MapStore> store, OpenStore(options.store));
@@ -76,6 +89,7 @@ Status Server::StartDomain() {
   context.sessions = sessions_.get();
   context.maps = maps_.get();
   context.localizer = options_.localizer;
+  context.store_path = options_.store;
   const int workers = Workers(options_);
   const int queue = options_.queue > 0 ? options_.queue : kWaitingAWorker * workers;
   services_ = std::make_unique<Services>(context, ServicesOptions{workers, queue});
@@ -101,6 +115,10 @@ Status Server::Listen() {
     return Status(StatusCode::kUnavailable, "CANNOT_LISTEN",
                   "cannot listen on " + options_.listen +
                       "; is the port in use, or the host not this machine's?");
+  }
+  // Asked for by name, or for the server as a whole; TellHealth turns all that are known.
+  for (const std::string& name : Services::Names()) {
+    grpc_server_->GetHealthCheckService()->SetServingStatus(name, true);
   }
   TellHealth();
   spdlog::info("serving {} on port {} with {} workers", options_.store, port_, Workers(options_));

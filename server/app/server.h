@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include <grpcpp/grpcpp.h>
@@ -48,7 +49,8 @@ class Server {
   void WaitForShutdown();
 
  private:
-  Server(const ServerOptions& options, std::unique_ptr<MapStore> store, ServeLock lock);
+  Server(const ServerOptions& options, std::unique_ptr<MapStore> store,
+         std::optional<ServeLock> lock);
   Status StartDomain();
   Status Listen();
   // Tells the watchers of gRPC's health what the threads report, until the end has begun.
@@ -56,7 +58,7 @@ class Server {
 
   const ServerOptions options_;
   int port_ = 0;
-  ServeLock lock_;  // first, so that it is let go last
+  std::optional<ServeLock> lock_;  // first, so that it is let go last; none: the store is read-only
   std::unique_ptr<MapStore> store_;
   Health health_{[this] { TellHealth(); }};
   std::unique_ptr<SessionManager> sessions_;

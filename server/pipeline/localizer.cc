@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -28,7 +29,8 @@ enum class AgainstGravity { kNever, kIfInconsistent, kIfNotLocalized };
 // ones 0.3 to 0.64 (server/trust/MEASUREMENTS.md).
 constexpr double kExplainsMost = 0.75;
 
-std::vector<int> Rank(const QueryContext& context, StageTimes& times) {
+std::vector<int> Rank(const QueryContext& context, const std::optional<PosePrior>& prior,
+                      StageTimes& times) {
   const Stopwatch watch(times.retrieval_ms);
   std::vector<std::shared_ptr<const Segment>> segments;
   for (const MapSnapshot::Entry& entry : context.map.segments) segments.push_back(entry.segment);
@@ -36,8 +38,7 @@ std::vector<int> Rank(const QueryContext& context, StageTimes& times) {
       .max_segments = context.options.max_segments_tried,
       .max_ratio = MaxRatio(context.map.info.point_descriptor),
   };
-  return RankSegments(context.view().points, context.query.prior, segments, *context.map.places,
-                      options);
+  return RankSegments(context.view().points, prior, segments, *context.map.places, options);
 }
 
 MatchedProblem Match(const QueryContext& context, const Segment& segment, StageTimes& times) {
@@ -187,8 +188,7 @@ Result<Localization> TryBeyondFirst(const QueryContext& context, const std::vect
 // together found nothing. Where none answers, the best ranked one speaks: a query counts in exactly
 // one segment.
 Result<Localization> TrySegments(const QueryContext& context, const std::vector<int>& ranked,
-                                 StageTimes& times) {
-  Progress progress;
+                                 Progress& progress, StageTimes& times) {
   const bool alone = ranked.size() == 1;
   MAPLOC_ASSIGN_OR_RETURN(
       Localization first,
@@ -212,6 +212,34 @@ Localization OutOfMap(const QueryContext& context) {
   return answer;
 }
 
+// As if there were no prior, in the segments that it kept out. A prior is a hint: a robot that was
+// carried, or whose odometry slipped, is where its picture says.
+Result<Localization> TryBeyondPrior(const QueryContext& context, const std::vector<int>& tried,
+                                    Progress& progress, StageTimes& times) {
+  MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
+  std::vector<int> ranked = Rank(context, std::nullopt, times);
+  std::erase_if(ranked, [&](int segment) {
+    return std::find(tried.begin(), tried.end(), segment) != tried.end();
+  });
+  if (ranked.empty()) return OutOfMap(context);
+  return TrySegments(context, ranked, progress, times);
+}
+
+// Where the prior says, then elsewhere. Where neither answers, what was found near the prior is
+// told.
+Result<Localization> Search(const QueryContext& context, StageTimes& times) {
+  Progress progress;
+  const std::vector<int> ranked = Rank(context, context.query.prior, times);
+  Localization answer = OutOfMap(context);
+  if (!ranked.empty()) {
+    MAPLOC_ASSIGN_OR_RETURN(answer, TrySegments(context, ranked, progress, times));
+  }
+  if (!context.query.prior || answer.outcome == Outcome::kLocalized) return answer;
+  Result<Localization> elsewhere = TryBeyondPrior(context, ranked, progress, times);
+  if (!elsewhere.ok() && !IsOutOfTime(elsewhere.status())) return elsewhere.status();
+  return elsewhere.ok() && elsewhere->outcome == Outcome::kLocalized ? elsewhere : answer;
+}
+
 }  // namespace
 
 Result<Localization> Localize(const Query& query, const MapSnapshot& map,
@@ -225,12 +253,7 @@ Result<Localization> Localize(const Query& query, const MapSnapshot& map,
     const QueryContext context{
         query, map, options, {deadline, cancelled}, options.seed ^ ContentHash(query)};
     MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
-    const std::vector<int> ranked = Rank(context, times);
-    if (ranked.empty()) {
-      answer = OutOfMap(context);
-    } else {
-      MAPLOC_ASSIGN_OR_RETURN(answer, TrySegments(context, ranked, times));
-    }
+    MAPLOC_ASSIGN_OR_RETURN(answer, Search(context, times));
   }
   answer.times = times;
   return answer;

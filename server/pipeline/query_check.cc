@@ -12,9 +12,9 @@ namespace {
 Status CheckKind(std::string_view what, const Descriptors& sent, const DescriptorKind& of_map) {
   if (sent.size() == 0 || of_map.name.empty() || sent.kind == of_map) return Status::Ok();
   return FailedPrecondition("DESCRIPTOR_KIND_MISMATCH",
-                            std::string(what) + ": the query's kind is '" + sent.kind.name +
-                                "', the map's is '" + of_map.name +
-                                "'; ask the map for its kinds (GetMap) and convert");
+                            std::string(what) + ": the query's kind is " + ToText(sent.kind) +
+                                ", the map's is " + ToText(of_map) +
+                                "; ask the map for its kinds (GetMap) and convert");
 }
 
 template <typename T>

@@ -10,7 +10,7 @@
 namespace maploc {
 
 // FAILED_PRECONDITION (DESCRIPTOR_KIND_MISMATCH) where the query's kinds are not the map's;
-// INVALID_ARGUMENT naming the field for absent gravity and for any number of views but one. Lines
+// INVALID_ARGUMENT naming the field for any number of views but one. Lines
 // sent to a map without lines are fine: they match nothing.
 Status CheckQuery(const Query& query, const MapInfo& map);
 

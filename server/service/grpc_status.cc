@@ -2,6 +2,9 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
+
+#include <spdlog/spdlog.h>
 
 namespace maploc {
 namespace {
@@ -14,16 +17,38 @@ std::optional<int> RetryDelayMs(const Status& status) {
   return std::nullopt;
 }
 
+// The store's messages begin with its path, and some repeat it in the cure.
+std::string WithoutPath(std::string message, const std::string& path) {
+  if (path.empty()) return message;
+  if (message.starts_with(path + ": ")) message.erase(0, path.size() + 2);
+  constexpr std::string_view kInstead = "STORE";
+  for (std::size_t at = message.find(path); at != std::string::npos;
+       at = message.find(path, at + kInstead.size())) {
+    message.replace(at, path.size(), kInstead);
+  }
+  return message;
+}
+
 }  // namespace
 
-grpc::Status ToGrpc(const Status& status, grpc::CallbackServerContext* context) {
+grpc::Status ToGrpc(const Status& status, const std::string& store_path,
+                    grpc::CallbackServerContext* context) {
   if (status.ok()) return grpc::Status::OK;
+  if (status.code() == StatusCode::kInternal || status.code() == StatusCode::kDataLoss) {
+    spdlog::error("a call has failed: {}", status.ToString());
+  }
   context->AddTrailingMetadata(kReasonMetadata, status.reason());
   if (const std::optional<int> delay_ms = RetryDelayMs(status)) {
     context->AddTrailingMetadata(kRetryDelayMetadata, std::to_string(*delay_ms));
   }
   return {static_cast<grpc::StatusCode>(status.code()),
-          status.message() + " (" + status.reason() + ")"};
+          WithoutPath(status.message(), store_path) + " (" + status.reason() + ")"};
+}
+
+Status NotParsed(const std::string& message) {
+  return Status(StatusCode::kInvalidArgument, "NOT_PARSED",
+                "the bytes are no " + message +
+                    "; send a message of proto/maploc/v1 whose strings are UTF-8");
 }
 
 }  // namespace maploc

@@ -1,6 +1,8 @@
 // Failure as gRPC tells it: the same code, the reason behind the message and as trailing metadata.
 #pragma once
 
+#include <string>
+
 #include <grpcpp/grpcpp.h>
 
 #include "mapstore/base/status.h"
@@ -13,7 +15,12 @@ inline constexpr char kReasonMetadata[] = "maploc-reason";
 // may.
 inline constexpr char kRetryDelayMetadata[] = "grpc-retry-pushback-ms";
 
-// Adds the metadata to `context`.
-grpc::Status ToGrpc(const Status& status, grpc::CallbackServerContext* context);
+// Adds the metadata to `context`. The server's own accidents (INTERNAL, DATA_LOSS) are logged, and
+// nobody is told where its store lies.
+grpc::Status ToGrpc(const Status& status, const std::string& store_path,
+                    grpc::CallbackServerContext* context);
+
+// Bytes that are no `message`, the full name of a proto message.
+Status NotParsed(const std::string& message);
 
 }  // namespace maploc

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <string>
 
 #include "mapstore/base/clock.h"
 #include "mapstore/store/map_store.h"
@@ -19,6 +20,7 @@ struct ServiceContext {
   MapCache* maps = nullptr;
   const Clock* clock = &SystemClock();
   LocalizerOptions localizer;
+  std::string store_path;  // what robots are not told
 };
 
 // One running call.

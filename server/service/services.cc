@@ -13,6 +13,15 @@ namespace {
 
 using Context = grpc::CallbackServerContext;
 using Reactor = grpc::ServerUnaryReactor;
+using Bytes = grpc::ByteBuffer;
+
+using RawLocalization = v1::LocalizationService::WithRawCallbackMethod_StartSession<
+    v1::LocalizationService::WithRawCallbackMethod_Localize<
+        v1::LocalizationService::WithRawCallbackMethod_EndSession<
+            v1::LocalizationService::Service>>>;
+using RawMaps = v1::MapService::WithRawCallbackMethod_ListMaps<
+    v1::MapService::WithRawCallbackMethod_GetMap<v1::MapService::WithRawCallbackMethod_ListSegments<
+        v1::MapService::WithRawCallbackMethod_GetSegment<v1::MapService::Service>>>>;
 
 // kMaxFeatures points and as many lines with the largest descriptors, and room for the rest.
 constexpr int kMaxMessageBytes =
@@ -26,25 +35,22 @@ constexpr int kMaxWaitingStore = 256;
 template <typename Request, typename Response>
 Reactor* Run(const ServiceContext& services, WorkerPool& pool,
              Status (*handler)(const ServiceContext&, const Call&, const Request&, Response*),
-             Context* context, const Request* request, Response* response) {
+             Context* context, const Bytes* request, Bytes* response) {
   return UnaryCall<Request, Response>::Start(services, pool, handler, context, request, response);
 }
 
-class LocalizationImpl final : public v1::LocalizationService::CallbackService {
+class LocalizationImpl final : public RawLocalization {
  public:
   LocalizationImpl(const ServiceContext& services, WorkerPool& localize, WorkerPool& store)
       : services_(services), localize_(localize), store_(store) {}
 
-  Reactor* StartSession(Context* context, const v1::StartSessionRequest* request,
-                        v1::StartSessionResponse* response) override {
+  Reactor* StartSession(Context* context, const Bytes* request, Bytes* response) override {
     return Run(services_, store_, HandleStartSession, context, request, response);
   }
-  Reactor* Localize(Context* context, const v1::LocalizeRequest* request,
-                    v1::LocalizeResponse* response) override {
+  Reactor* Localize(Context* context, const Bytes* request, Bytes* response) override {
     return Run(services_, localize_, HandleLocalize, context, request, response);
   }
-  Reactor* EndSession(Context* context, const v1::EndSessionRequest* request,
-                      v1::EndSessionResponse* response) override {
+  Reactor* EndSession(Context* context, const Bytes* request, Bytes* response) override {
     return Run(services_, store_, HandleEndSession, context, request, response);
   }
 
@@ -54,24 +60,20 @@ class LocalizationImpl final : public v1::LocalizationService::CallbackService {
   WorkerPool& store_;
 };
 
-class MapImpl final : public v1::MapService::CallbackService {
+class MapImpl final : public RawMaps {
  public:
   MapImpl(const ServiceContext& services, WorkerPool& store) : services_(services), store_(store) {}
 
-  Reactor* ListMaps(Context* context, const v1::ListMapsRequest* request,
-                    v1::ListMapsResponse* response) override {
+  Reactor* ListMaps(Context* context, const Bytes* request, Bytes* response) override {
     return Run(services_, store_, HandleListMaps, context, request, response);
   }
-  Reactor* GetMap(Context* context, const v1::GetMapRequest* request,
-                  v1::GetMapResponse* response) override {
+  Reactor* GetMap(Context* context, const Bytes* request, Bytes* response) override {
     return Run(services_, store_, HandleGetMap, context, request, response);
   }
-  Reactor* ListSegments(Context* context, const v1::ListSegmentsRequest* request,
-                        v1::ListSegmentsResponse* response) override {
+  Reactor* ListSegments(Context* context, const Bytes* request, Bytes* response) override {
     return Run(services_, store_, HandleListSegments, context, request, response);
   }
-  Reactor* GetSegment(Context* context, const v1::GetSegmentRequest* request,
-                      v1::GetSegmentResponse* response) override {
+  Reactor* GetSegment(Context* context, const Bytes* request, Bytes* response) override {
     return Run(services_, store_, HandleGetSegment, context, request, response);
   }
 
@@ -101,6 +103,10 @@ Services::Services(const ServiceContext& context, const ServicesOptions& options
     : impl_(std::make_unique<Impl>(context, options)) {}
 
 Services::~Services() = default;
+
+std::vector<std::string> Services::Names() {
+  return {v1::LocalizationService::service_full_name(), v1::MapService::service_full_name()};
+}
 
 void Services::Register(grpc::ServerBuilder* builder) {
   builder->SetMaxReceiveMessageSize(kMaxMessageBytes);

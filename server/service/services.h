@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <grpcpp/grpcpp.h>
 
@@ -20,6 +22,9 @@ class Services {
   Services(const ServiceContext& context, const ServicesOptions& options);
   // REQUIRES: the gRPC server is shut down.
   ~Services();
+
+  // The services' full names, by which their health is asked for.
+  static std::vector<std::string> Names();
 
   // Registers the services and the size limit of a message.
   void Register(grpc::ServerBuilder* builder);

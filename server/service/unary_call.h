@@ -1,5 +1,6 @@
-// One unary RPC between gRPC's callback interface and a handler: admitted to a pool of threads or
-// refused, bounded in time, told when the client goes. Deletes itself when gRPC is done with it.
+// One unary RPC between gRPC's raw callback interface and a handler: admitted to a pool of threads
+// or refused, then parsed, bounded in time, told when the client goes. Raw, because gRPC answers
+// bytes that it cannot parse with UNIMPLEMENTED and no word. Deletes itself when gRPC is done.
 #pragma once
 
 #include <atomic>
@@ -22,10 +23,11 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
  public:
   using Handler = Status (*)(const ServiceContext&, const Call&, const Request&, Response*);
 
-  // `services` and the messages outlive the call; gRPC owns the messages.
+  // `services` and the buffers outlive the call; gRPC owns the buffers.
   static grpc::ServerUnaryReactor* Start(const ServiceContext& services, WorkerPool& pool,
                                          Handler handler, grpc::CallbackServerContext* context,
-                                         const Request* request, Response* response) {
+                                         const grpc::ByteBuffer* request,
+                                         grpc::ByteBuffer* response) {
     auto* call = new UnaryCall(services, handler, context, request, response);
     const WorkerPool::Admission admission = pool.Submit([call] { call->Run(); });
     if (admission == WorkerPool::Admission::kFull) {
@@ -38,7 +40,7 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
 
  private:
   UnaryCall(const ServiceContext& services, Handler handler, grpc::CallbackServerContext* context,
-            const Request* request, Response* response)
+            const grpc::ByteBuffer* request, grpc::ByteBuffer* response)
       : services_(services),
         handler_(handler),
         context_(context),
@@ -62,20 +64,32 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
                     "the deadline passed while the request waited");
     }
     // The last line of defence: one request's accident must not take the others along.
-    return Caught([&] {
-      return handler_(services_, {deadline_, &cancelled_}, *request_, response_);
-    });
+    return Caught([this] { return Answer(); });
   }
 
-  void FinishWith(const Status& status) { Finish(ToGrpc(status, context_)); }
+  Status Answer() {
+    Request request;
+    grpc::ByteBuffer bytes(*request_);  // shares them; parsing empties it
+    if (!grpc::SerializationTraits<Request>::Deserialize(&bytes, &request).ok()) {
+      return NotParsed(Request::descriptor()->full_name());
+    }
+    Response response;
+    MAPLOC_RETURN_IF_ERROR(handler_(services_, {deadline_, &cancelled_}, request, &response));
+    bool owned = false;
+    return grpc::SerializationTraits<Response>::Serialize(response, response_, &owned).ok()
+               ? Status::Ok()
+               : Internal("the answer cannot be written");
+  }
+
+  void FinishWith(const Status& status) { Finish(ToGrpc(status, services_.store_path, context_)); }
   void OnCancel() override { cancelled_ = true; }
   void OnDone() override { delete this; }
 
   const ServiceContext& services_;
   const Handler handler_;
   grpc::CallbackServerContext* const context_;
-  const Request* const request_;
-  Response* const response_;
+  const grpc::ByteBuffer* const request_;
+  grpc::ByteBuffer* const response_;
   const Deadline deadline_;
   std::atomic<bool> cancelled_ = false;
 };

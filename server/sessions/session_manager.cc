@@ -78,6 +78,7 @@ Result<std::unique_ptr<SessionManager>> SessionManager::Create(MapStore* store,
 SessionManager::~SessionManager() { StopThread(); }
 
 Status SessionManager::Recover() {
+  if (store_->read_only()) return Status::Ok();  // there nothing can be added or ended
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<Session> sessions, store_->ListSessions());
   for (const Session& session : sessions) {
     Remember(session);
@@ -115,6 +116,11 @@ Result<std::optional<Session>> SessionManager::FindRepeated(const NewSession& re
                                   found->second.map_name + "'; choose a new one");
   }
   MAPLOC_ASSIGN_OR_RETURN(Session session, store_->GetSession(found->second.session));
+  if (session.end != SessionEnd::kOpen) {
+    return FailedPrecondition("REQUEST_ID_REUSED", "request_id '" + request.request_id +
+                                                       "' started session '" + session.id +
+                                                       "', which has ended; choose a new one");
+  }
   return std::optional<Session>(std::move(session));
 }
 
@@ -138,7 +144,11 @@ Result<Session> SessionManager::StartNew(const NewSession& request) {
   session.labels = request.labels;
   if (!request.request_id.empty()) session.labels[kRequestIdLabel] = request.request_id;
   session.start_unix_ns = clock_.NowUnixNanos();
-  MAPLOC_RETURN_IF_ERROR(store_->StartSession(session));
+  if (const Status status = store_->StartSession(session); !status.ok()) {
+    // The robot's words were checked; what is refused here is the server's own.
+    const bool ours = status.code() == StatusCode::kInvalidArgument;
+    return ours ? Internal("the session cannot be stored: " + status.message()) : status;
+  }
   Remember(session);
   const std::lock_guard lock(mutex_);
   open_.emplace(session.id, std::make_shared<Open>(session, 1, clock_.SteadyNow()));

@@ -88,8 +88,8 @@ class SessionManager {
   SessionManager(const SessionManager&) = delete;
   SessionManager& operator=(const SessionManager&) = delete;
 
-  // Repeated with the same robot and request_id within a day it gives the same session, also when
-  // that has ended since. Errors: FAILED_PRECONDITION (REQUEST_ID_REUSED) for another map's name;
+  // Repeated with the same robot and request_id within a day it gives the same session. Errors:
+  // FAILED_PRECONDITION (REQUEST_ID_REUSED) for another map's name or when that session has ended;
   // INVALID_ARGUMENT (RESERVED_LABEL); RESOURCE_EXHAUSTED (TOO_MANY_SESSIONS); the store's.
   Result<Session> Start(const NewSession& request);
 

@@ -57,6 +57,7 @@ class ForwardingStore : public MapStore {
   }
   Result<std::int64_t> ChangeCounter() const override { return store_->ChangeCounter(); }
   Status CheckIdentity() const override { return store_->CheckIdentity(); }
+  bool read_only() const override { return store_->read_only(); }
   Status Verify() const override { return store_->Verify(); }
 
  protected:

@@ -131,7 +131,7 @@ TEST_P(LearningContract, ARevokeIsSeenByCachesOnceAndNamesWhatIsUnknown) {
   ASSERT_TRUE(store_->RevokeSession("s").ok());
   EXPECT_EQ(Changes(), revoked);
   EXPECT_EQ(End("s"), summary);  // what was answered stays answered
-  EXPECT_EQ(store_->RevokeSession("nobody").reason(), "UNKNOWN_SESSION");
+  EXPECT_EQ(store_->RevokeSession("nobody").reason(), "SESSION_NOT_FOUND");
   EXPECT_EQ(store_->ReinstateSession("nobody").code(), StatusCode::kNotFound);
 }
 

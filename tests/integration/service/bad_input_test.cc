@@ -1,8 +1,10 @@
 // Every kind of bad request: the right code, the field or thing it is about, and a server that goes
 // on serving with an unchanged store.
+#include <filesystem>
 #include <functional>
 #include <limits>
 
+#include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 
 #include "maploc/v1/localization_service.grpc.pb.h"
@@ -107,6 +109,56 @@ TEST_F(BadInputTest, SessionsRefuseWhatIsNotTheirs) {
   EXPECT_EQ(client_->StartSession("street", "", {}).status().code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(client_->GetSegment("street", 99).status().reason(), "SEGMENT_NOT_FOUND");
   EXPECT_EQ(client_->GetMap("").status().code(), StatusCode::kInvalidArgument);
+}
+
+// Bytes as they come, through no stub of ours.
+grpc::Status SendBytes(const std::string& address, const std::string& method,
+                       const std::string& bytes, grpc::ClientContext* context) {
+  const grpc::Slice slice(bytes);
+  const grpc::ByteBuffer request(&slice, 1);
+  grpc::ByteBuffer response;
+  grpc::GenericStub stub(grpc::CreateChannel(address, grpc::InsecureChannelCredentials()));
+  grpc::CompletionQueue queue;
+  const auto call = stub.PrepareUnaryCall(context, method, request, &queue);
+  call->StartCall();
+  grpc::Status status;
+  call->Finish(&response, &status, nullptr);
+  void* tag = nullptr;
+  bool ok = false;
+  queue.Next(&tag, &ok);
+  return status;
+}
+
+TEST_F(BadInputTest, BytesThatAreNoMessageAreRefusedInWords) {
+  // Field 2 of StartSession is the robot: "Zürich" in Latin-1.
+  const std::string latin1 = "\x0a\x06street\x12\x06Z\xfcrich";
+  for (const std::string& bytes : {latin1, std::string("\xff\xff\xff"), std::string("\x0a\x7f")}) {
+    grpc::ClientContext context;
+    const grpc::Status status =
+        SendBytes(Address(), "/maploc.v1.LocalizationService/StartSession", bytes, &context);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+    EXPECT_EQ(Reason(context), "NOT_PARSED");
+    EXPECT_NE(status.error_message().find("StartSessionRequest"), std::string::npos);
+    EXPECT_NE(status.error_message().find("UTF-8"), std::string::npos);
+  }
+}
+
+TEST_F(BadInputTest, KindsThatDifferInMoreThanTheirNameAreToldWhole) {
+  Query query = QueryAt(2.0);
+  query.views[0].points.descriptors.kind.bytes = 16;
+  query.views[0].points.descriptors.bytes.resize(16 * query.views[0].points.keypoints_px.size());
+  const std::string message = client_->Localize(query).status().message();
+  EXPECT_NE(message.find("16 bytes"), std::string::npos) << message;
+  EXPECT_NE(message.find("32 bytes"), std::string::npos) << message;
+}
+
+TEST_F(BadInputTest, RobotsAreNotToldWhereTheStoreLies) {
+  ASSERT_TRUE(client_->Localize(QueryAt(2.0)).ok());
+  std::filesystem::rename(folder_.File("store"), folder_.File("elsewhere"));
+  const Status status = client_->Localize(QueryAt(2.0)).status();
+  EXPECT_EQ(status.reason(), "STORE_REPLACED");
+  EXPECT_EQ(status.message().find(folder_.File("")), std::string::npos) << status.message();
+  std::filesystem::rename(folder_.File("elsewhere"), folder_.File("store"));
 }
 
 TEST_F(BadInputTest, TheLargestQueryIsTaken) {

@@ -71,11 +71,17 @@ TEST_F(LifecycleTest, ThePortFileTellsThePortWhileItServes) {
   EXPECT_FALSE(std::filesystem::exists(options_.port_file));
 }
 
+// As probes ask: of the server as a whole, or of a service by its name.
 TEST_F(LifecycleTest, HealthTurnsNotServingAtTheEnd) {
-  ByteStream health(Address(), "/grpc.health.v1.Health/Watch", "");
-  EXPECT_EQ(health.Read(), kServing);
+  const std::string name = "maploc.v1.LocalizationService";
+  const std::string by_name = "\x0a" + std::string(1, static_cast<char>(name.size())) + name;
+  ByteStream whole(Address(), "/grpc.health.v1.Health/Watch", "");
+  ByteStream named(Address(), "/grpc.health.v1.Health/Watch", by_name);
+  EXPECT_EQ(whole.Read(), kServing);
+  EXPECT_EQ(named.Read(), kServing);
   auto stop = std::async(std::launch::async, [this] { return server_->Shutdown(); });
-  EXPECT_EQ(health.Read(), kNotServing);
+  EXPECT_EQ(whole.Read(), kNotServing);
+  EXPECT_EQ(named.Read(), kNotServing);
   EXPECT_TRUE(stop.get().ok());
 }
 

@@ -37,7 +37,7 @@ void ExpectTheSame(const Observation& kept, const Localization& told) {
 
 TEST_F(ObservationTest, EveryQueryIsKeptAsItWasTold) {
   const SessionId session = StartSession();
-  Query elsewhere = QueryAt(8.0, session);
+  Query elsewhere = See({.outlier_share = 1.0}, session);
   elsewhere.prior = PosePrior{{0.0, 500.0, 0.0}, 1.0};
   const std::vector<Localization> told = {
       Ask(QueryAt(8.0, session)),

@@ -61,7 +61,23 @@ TEST_F(MaplocMap, ARobotWhoseCalibrationIsOffIsToldWhyAndWhatToDo) {
   const std::string text = Map(command).out;
   EXPECT_THAT(text, HasSubstr("9 (0.750)"));
   EXPECT_THAT(text, HasSubstr("zoomed: " + remark + ".\n"));
-  EXPECT_THAT(text, ::testing::Not(HasSubstr("r2: ")));
+  EXPECT_THAT(text, ::testing::Not(::testing::ContainsRegex("r2: .*calibration")));
+}
+
+TEST_F(MaplocMap, ARobotWhoseGravityIsRejectedIsToldWhyAndWhatToDo) {
+  std::vector<Observation> seen;
+  for (int i = 1; i <= 12; ++i) {
+    seen.push_back(Seen(i, 1));
+    seen.back().evidence.gravity_rejected = i <= 10;
+  }
+  Drive("turned0", "turned", seen);
+  const json robot = Json("robots --store $STORE --map yard")[1];
+  EXPECT_EQ(robot.at("gravity_rejected"), 10);
+  const std::string remark = robot.at("gravity_remark");
+  EXPECT_THAT(remark, HasSubstr("10 of its 12 queries contradict the gravity"));
+  const std::string text = Map("robots --store $STORE --map yard").out;
+  EXPECT_THAT(text, HasSubstr("10 (0.833)"));
+  EXPECT_THAT(text, HasSubstr("turned: " + remark + ".\n"));
 }
 
 // Two robots' gravity disagrees with the map's by the same 3.4 degrees.

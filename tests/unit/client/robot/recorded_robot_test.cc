@@ -203,7 +203,8 @@ TEST_F(RecordedRobotTest, RefusesANameThatCannotBeSent) {
     const testing::TemporaryFolder folder;
     ASSERT_TRUE(WriteColmapModel(folder.path(), model).ok());
     options_.model_dir = folder.path();
-    EXPECT_THAT(RecordedRobot::Open(options_, map_).status().message(), HasSubstr("image name: '"));
+    EXPECT_THAT(RecordedRobot::Open(options_, map_).status().message(),
+                HasSubstr("name of image 1: is "));
   }
 }
 

@@ -215,6 +215,16 @@ TEST(Robots, ACalibrationIsOffInMostQueriesOfThreeAtLeast) {
   EXPECT_TRUE(is_off(4, 7));
 }
 
+TEST(Robots, GravityIsOffWhereMostQueriesContradictItLocalizedWithoutOrNotAtAll) {
+  ToldSession session{"s", "r", 0, std::vector<Observation>(5)};
+  session.observations[0].evidence.gravity_rejected = true;
+  session.observations[1].outcome = Outcome::kGravityInconsistent;
+  EXPECT_FALSE(Compare({session}).robots[0].GravityIsOff());
+  session.observations[2].evidence.gravity_rejected = true;
+  EXPECT_EQ(Compare({session}).robots[0].gravity_rejected, 3);
+  EXPECT_TRUE(Compare({session}).robots[0].GravityIsOff());
+}
+
 TEST(Robots, OfTwoRobotsTheWorseOneIsFlagged) {
   Random random = TestRandom();
   std::vector<ToldSession> sessions = Tell({.broken_imu = 0}, random);

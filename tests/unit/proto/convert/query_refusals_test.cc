@@ -1,4 +1,5 @@
 // Every malformed request is refused with the path of the field that is wrong.
+#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -35,6 +36,20 @@ void FillFeatures(int count, v1::Features* features) {
     features->add_coordinates_pixels(1);
   }
   features->set_descriptors(std::string(32ul * count, 'x'));
+}
+
+// Rows as the definition of sift_root_u8 has them, but scaled to `length`.
+void FillSift(double length, v1::Features* features) {
+  const int count = features->coordinates_pixels_size() / 2;
+  // A quarter of the 128 numbers is 0, the others are equal.
+  const auto value = static_cast<char>(std::lround(length / std::sqrt(96.0)));
+  std::string row(128, '\0');
+  for (int i = 0; i < 128; ++i) row[i] = i % 4 == 0 ? '\0' : value;
+  features->clear_descriptors();
+  for (int i = 0; i < count; ++i) features->mutable_descriptors()->append(row);
+  features->mutable_descriptor_kind()->set_name("sift_root_u8");
+  features->mutable_descriptor_kind()->set_bytes_count(128);
+  features->mutable_descriptor_kind()->set_metric(v1::DESCRIPTOR_METRIC_L2_U8);
 }
 
 const std::vector<Refusal>& Refusals() {
@@ -135,6 +150,10 @@ const std::vector<Refusal>& Refusals() {
        "prior.position_in_map", "NOT_FINITE"},
       {"PriorFarAway", [](R* r) { r->mutable_prior()->mutable_position_in_map()->set_z(1e300); },
        "prior.position_in_map", "OUT_OF_RANGE"},
+      {"PriorWithoutPosition", [](R* r) { r->mutable_prior()->clear_position_in_map(); },
+       "prior.position_in_map", "REQUIRED"},
+      {"BodyWithoutTranslation", [](R* r) { CameraFromBody(r)->clear_translation(); },
+       "views[0].camera_from_body.translation", "REQUIRED"},
       {"PriorSigmaZero", [](R* r) { r->mutable_prior()->set_position_sigma(0); },
        "prior.position_sigma", "OUT_OF_RANGE"},
       {"PriorSigmaInfinite", [](R* r) { r->mutable_prior()->set_position_sigma(kInfinity); },
@@ -148,6 +167,11 @@ const std::vector<Refusal>& Refusals() {
       {"MapTooLong", [](R* r) { r->set_map(std::string(129, 'a')); }, "map", "TOO_LONG"},
       {"RequestIdTooLong", [](R* r) { r->set_request_id(std::string(129, 'a')); }, "request_id",
        "TOO_LONG"},
+      {"MapTurnedAround", [](R* r) { r->set_map("\u202edray"); }, "map", "CONTROL_CHARACTER"},
+      {"SiftScaledTo255", [](R* r) { FillSift(255.0, Points(r)); }, "views[0].points.descriptors",
+       "DESCRIPTOR_SCALE"},
+      {"SiftScaledToOne", [](R* r) { FillSift(1.0, Points(r)); }, "views[0].points.descriptors",
+       "DESCRIPTOR_SCALE"},
       {"MapWithNewline", [](R* r) { r->set_map("ya\nrd"); }, "map", "CONTROL_CHARACTER"},
       {"NeitherMapNorSession",
        [](R* r) {
@@ -186,6 +210,12 @@ TEST(QueryLimits, TheLargestRequestIsTaken) {
   const Result<Query> query = QueryFromProto(request);
   ASSERT_TRUE(query.ok()) << query.status().ToString();
   EXPECT_EQ(query->views[0].points.descriptors.size(), kMaxFeatures);
+}
+
+TEST(SiftRows, OfTheirLengthAreTaken) {
+  v1::LocalizeRequest request = testing::ValidRequest();
+  FillSift(512.0, Points(&request));
+  EXPECT_TRUE(QueryFromProto(request).ok()) << QueryFromProto(request).status().ToString();
 }
 
 }  // namespace

@@ -186,8 +186,22 @@ TEST_F(LocalizerTest, AnswersTheBodysPose) {
   EXPECT_LT(PositionError(*answer, camera_from_map_, camera_from_body), 0.08);
 }
 
-TEST_F(LocalizerTest, APriorElsewhereIsOutOfMap) {
+// A hint and never a constraint: off the map, in another segment, or a few metres off.
+TEST_F(LocalizerTest, AWrongPriorDoesNotHideThePlace) {
   Query query = world_.See(camera_from_map_, {}, random_);
+  for (const Eigen::Vector3d& prior :
+       {Eigen::Vector3d(0, 500, 0), Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(11, 0.6, 0)}) {
+    SCOPED_TRACE(prior.transpose());
+    query.prior = PosePrior{prior, 0.1};
+    const auto answer = Run(query);
+    ASSERT_TRUE(answer.ok());
+    ASSERT_EQ(answer->outcome, Outcome::kLocalized);
+    EXPECT_LT(PositionError(*answer, camera_from_map_), 0.05);
+  }
+}
+
+TEST_F(LocalizerTest, APriorOffTheMapIsOutOfMapWhereThePictureShowsNoPlaceEither) {
+  Query query = world_.See(camera_from_map_, {.outlier_share = 1.0}, random_);
   query.prior = PosePrior{{0.0, 500.0, 0.0}, 1.0};
   const auto answer = Run(query);
   ASSERT_TRUE(answer.ok());

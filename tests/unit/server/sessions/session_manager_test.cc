@@ -6,6 +6,7 @@
 #include <set>
 #include <thread>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "mapstore/store/in_memory_store.h"
@@ -20,6 +21,7 @@ namespace maploc {
 namespace {
 
 using namespace std::chrono_literals;
+using ::testing::HasSubstr;
 
 // Refuses to write for as long as a test wants.
 class FailingStore final : public testing::ForwardingStore {
@@ -232,7 +234,10 @@ TEST_F(SessionManagerTest, ARepeatedStartIsTheSameSession) {
   Restart();
   EXPECT_EQ(StartSession("start-1"), id);
   ASSERT_TRUE(manager_->End(id).ok());
-  EXPECT_EQ(StartSession("start-1"), id);  // a late repetition opens no second one
+  // A late repetition opens no second one, and gives none that takes no queries.
+  const Status late = manager_->Start({map_, "rover", {}, "start-1"}).status();
+  EXPECT_EQ(late.reason(), "REQUEST_ID_REUSED");
+  EXPECT_THAT(late.message(), HasSubstr(id));
   NewSession elsewhere;
   elsewhere.map = MapKey{"garden", 1};
   elsewhere.robot = "rover";
@@ -240,6 +245,14 @@ TEST_F(SessionManagerTest, ARepeatedStartIsTheSameSession) {
   EXPECT_EQ(manager_->Start(elsewhere).status().reason(), "REQUEST_ID_REUSED");
   clock_.Advance(25h);
   EXPECT_NE(StartSession("start-1"), id);
+}
+
+// A board whose clock was never set is no fault of the robot.
+TEST_F(SessionManagerTest, AServerClockBefore1970IsTheServersFault) {
+  clock_.Advance(-24h * 365 * 60);
+  const Status status = manager_->Start({map_, "rover", {}, ""}).status();
+  EXPECT_EQ(status.code(), StatusCode::kInternal);
+  EXPECT_THAT(status.message(), HasSubstr("clock"));
 }
 
 TEST_F(SessionManagerTest, LabelsOfTheServerAreItsOwn) {

@@ -1,0 +1,52 @@
+#include "mapstore/base/name.h"
+
+#include <string>
+
+#include <utf8proc.h>
+
+#include "mapstore/base/ids.h"
+
+namespace maploc {
+namespace {
+
+constexpr utf8proc_int32_t kZeroWidthNonJoiner = 0x200c;
+constexpr utf8proc_int32_t kZeroWidthJoiner = 0x200d;
+
+bool IsControl(utf8proc_int32_t code_point) {
+  switch (utf8proc_category(code_point)) {
+    case UTF8PROC_CATEGORY_CC:
+    case UTF8PROC_CATEGORY_ZL:
+    case UTF8PROC_CATEGORY_ZP:
+      return true;
+    case UTF8PROC_CATEGORY_CF:  // among them those that turn the direction of writing
+      return code_point != kZeroWidthNonJoiner && code_point != kZeroWidthJoiner;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+Status CheckName(std::string_view field, std::string_view name) {
+  if (name.size() > kMaxIdBytes) {
+    return InvalidArgument(field,
+                           "is " + std::to_string(name.size()) + " bytes long, at most " +
+                               std::to_string(kMaxIdBytes) + " are allowed",
+                           "TOO_LONG");
+  }
+  const auto* next = reinterpret_cast<const utf8proc_uint8_t*>(name.data());
+  auto left = static_cast<utf8proc_ssize_t>(name.size());
+  while (left > 0) {
+    utf8proc_int32_t code_point = 0;
+    const utf8proc_ssize_t read = utf8proc_iterate(next, left, &code_point);
+    if (read <= 0) return InvalidArgument(field, "is not UTF-8", "NOT_UTF8");
+    if (IsControl(code_point)) {
+      return InvalidArgument(field, "holds a control character", "CONTROL_CHARACTER");
+    }
+    next += read;
+    left -= read;
+  }
+  return Status::Ok();
+}
+
+}  // namespace maploc
