@@ -4,13 +4,16 @@
 #include <charconv>
 #include <optional>
 #include <random>
+#include <sstream>
 #include <thread>
 
 #include <grpcpp/grpcpp.h>
 
+#include "client/api/proxy.h"
 #include "client/api/remote_from_proto.h"
 #include "maploc/v1/localization_service.grpc.pb.h"
 #include "maploc/v1/map_service.grpc.pb.h"
+#include "mapstore/base/name.h"
 #include "proto/convert/convert.h"
 
 namespace maploc {
@@ -38,6 +41,8 @@ std::shared_ptr<grpc::Channel> MakeChannel(const std::string& server) {
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirstReconnectMs);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kConnectMs);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMaxReconnectMs);
+  // A proxy cannot reach this machine's own loopback.
+  if (IsLoopback(server)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   return grpc::CreateCustomChannel(server, grpc::InsecureChannelCredentials(), arguments);
 }
 
@@ -56,8 +61,28 @@ std::string WithoutSuffix(std::string text, std::string_view suffix) {
   return text;
 }
 
+// What gRPC itself says when a connection cannot be made, or an answer does not come in time, names
+// neither the proxy in between nor the time.
+std::string Explain(const grpc::Status& status, const std::string& server,
+                    std::chrono::milliseconds timeout) {
+  std::string text = "server " + server + ": " + status.error_message();
+  if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED) {
+    std::ostringstream seconds;
+    seconds << std::chrono::duration<double>(timeout).count();
+    text += " (no answer within " + seconds.str() + " s)";
+  }
+  const bool unreachable = status.error_code() == grpc::StatusCode::UNAVAILABLE ||
+                           status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
+  const std::string proxy = unreachable ? ProxyInUse(server) : "";
+  if (!proxy.empty()) {
+    text += "; the call went through the proxy " + proxy +
+            ", put the host into no_proxy to reach it directly";
+  }
+  return text;
+}
+
 Status StatusFromGrpc(const grpc::Status& status, const grpc::ClientContext& context,
-                      const std::string& server) {
+                      const std::string& server, std::chrono::milliseconds timeout) {
   if (status.ok()) return Status::Ok();
   const StatusCode code = CodeFromGrpc(status.error_code());
   const auto& trailer = context.GetServerTrailingMetadata();
@@ -67,8 +92,7 @@ Status StatusFromGrpc(const grpc::Status& status, const grpc::ClientContext& con
     std::string message = WithoutSuffix(status.error_message(), " (" + name + ")");
     return Status(code, std::move(name), std::move(message));
   }
-  return Status(code, std::string(StatusCodeName(code)),
-                "server " + server + ": " + status.error_message());
+  return Status(code, std::string(StatusCodeName(code)), Explain(status, server, timeout));
 }
 
 // Unique over robots and restarts, which no seed handed in could promise.
@@ -154,7 +178,9 @@ struct Client::Impl {
       context.set_deadline(std::chrono::system_clock::now() + options.call_timeout);
       const grpc::Status status = (stub.*method)(&context, request, response);
       const auto wait = Wait(status, context, repeat, backoff);
-      if (!wait || attempt >= options.max_attempts) return StatusFromGrpc(status, context, server);
+      if (!wait || attempt >= options.max_attempts) {
+        return StatusFromGrpc(status, context, server, options.call_timeout);
+      }
       std::this_thread::sleep_for(WithJitter(*wait));
       backoff *= 2;
     }
@@ -185,6 +211,7 @@ Result<std::vector<RemoteMap>> Client::ListMaps() const {
 }
 
 Result<RemoteMap> Client::GetMap(const std::string& map) const {
+  MAPLOC_RETURN_IF_ERROR(CheckName("map", map));
   v1::GetMapRequest request;
   request.set_map(map);
   v1::GetMapResponse response;
@@ -194,6 +221,7 @@ Result<RemoteMap> Client::GetMap(const std::string& map) const {
 }
 
 Result<std::vector<RemoteSegment>> Client::ListSegments(const std::string& map) const {
+  MAPLOC_RETURN_IF_ERROR(CheckName("map", map));
   v1::ListSegmentsRequest request;
   request.set_map(map);
   v1::ListSegmentsResponse response;
@@ -207,6 +235,7 @@ Result<std::vector<RemoteSegment>> Client::ListSegments(const std::string& map) 
 }
 
 Result<RemoteSegment> Client::GetSegment(const std::string& map, SegmentId id) const {
+  MAPLOC_RETURN_IF_ERROR(CheckName("map", map));
   v1::GetSegmentRequest request;
   request.set_map(map);
   request.set_segment_id(id);
@@ -218,6 +247,12 @@ Result<RemoteSegment> Client::GetSegment(const std::string& map, SegmentId id) c
 
 Result<SessionId> Client::StartSession(const std::string& map, const std::string& robot,
                                        const std::map<std::string, std::string>& labels) const {
+  MAPLOC_RETURN_IF_ERROR(CheckName("map", map));
+  MAPLOC_RETURN_IF_ERROR(CheckName("robot", robot));
+  for (const auto& [key, value] : labels) {
+    MAPLOC_RETURN_IF_ERROR(CheckName("labels", key));
+    MAPLOC_RETURN_IF_ERROR(CheckName("labels." + key, value));
+  }
   v1::StartSessionRequest request;
   request.set_map(map);
   request.set_robot(robot);
@@ -231,6 +266,9 @@ Result<SessionId> Client::StartSession(const std::string& map, const std::string
 }
 
 Result<Localization> Client::Localize(const Query& query, bool include_matches) const {
+  MAPLOC_RETURN_IF_ERROR(CheckName("map", query.map));
+  MAPLOC_RETURN_IF_ERROR(CheckName("session_id", query.session));
+  MAPLOC_RETURN_IF_ERROR(CheckName("request_id", query.request_id));
   v1::LocalizeRequest request;
   QueryToProto(query, include_matches, &request);
   v1::LocalizeResponse response;
@@ -244,6 +282,7 @@ Result<Localization> Client::Localize(const Query& query, bool include_matches) 
 }
 
 Result<SessionSummary> Client::EndSession(const SessionId& session) const {
+  MAPLOC_RETURN_IF_ERROR(CheckName("session_id", session));
   v1::EndSessionRequest request;
   request.set_session_id(session);
   v1::EndSessionResponse response;

@@ -1,7 +1,9 @@
 // maploc's C++ client: one connection to one server. Every call has a deadline; only calls that are
 // safe to repeat are repeated: after UNAVAILABLE StartSession (by its request_id), EndSession, all
 // reads, and Localize only outside of a session; every call that the server refused before it began
-// and asked to repeat (a full queue). gRPC's headers stay in client.cc.
+// and asked to repeat (a full queue). A name that is not UTF-8 or too long (mapstore/base/name.h)
+// is refused before any call. A server on this machine is reached without the environment's proxy.
+// gRPC's headers stay in client.cc.
 //
 // Thread-safe.
 #pragma once

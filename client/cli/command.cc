@@ -1,3 +1,6 @@
+#include <cmath>
+#include <iostream>
+
 #include "client/cli/commands.h"
 #include "client/cli/output.h"
 
@@ -15,7 +18,31 @@ CLI::App* AddCommand(CLI::App& app, CommandContext& context, const std::string& 
 }
 
 CLI::Option* AddServerFlag(CLI::App& command, CommandContext& context) {
+  command
+      .add_option("--timeout", context.timeout_s,
+                  "seconds that an answer may take; later it is DEADLINE_EXCEEDED")
+      ->capture_default_str();
   return command.add_option("--server", context.server, "the server's HOST:PORT");
+}
+
+Result<ClientOptions> ClientOptionsFrom(const CommandContext& context) {
+  constexpr double kLeastS = 0.001;
+  constexpr double kMostS = 86400.0;
+  if (!(context.timeout_s >= kLeastS && context.timeout_s <= kMostS)) {
+    return InvalidArgument("--timeout", "must lie in 0.001 to 86400 seconds");
+  }
+  ClientOptions options;
+  options.call_timeout = std::chrono::milliseconds(std::llround(1000.0 * context.timeout_s));
+  return options;
+}
+
+Result<Client> Connect(const CommandContext& context) {
+  MAPLOC_ASSIGN_OR_RETURN(const ClientOptions options, ClientOptionsFrom(context));
+  return Client(context.server, options);
+}
+
+void PrintNotes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) std::cerr << "note: " << note << "\n";
 }
 
 Status CheckRange(const char* flag, double value, double least, double most) {

@@ -5,9 +5,11 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "client/api/client.h"
 #include "mapstore/base/status.h"
 
 namespace maploc {
@@ -15,6 +17,7 @@ namespace maploc {
 // What every command shares. Lives as long as the command line's parser.
 struct CommandContext {
   std::string server;              // --server HOST:PORT
+  double timeout_s = 10.0;         // --timeout: of each call
   bool json = false;               // --json: one document on standard output, all else on error
   std::function<Status()> chosen;  // the chosen command's work; set by the parser
 };
@@ -26,8 +29,16 @@ CLI::App* AddCommand(CLI::App& app, CommandContext& context, const std::string& 
                      const std::string& description, const std::string& example,
                      std::function<Status()> run);
 
-// --server, which every command but the making of a world needs.
+// --server, which every command but the making of a world needs, and --timeout.
 CLI::Option* AddServerFlag(CLI::App& command, CommandContext& context);
+
+// What --timeout asks for; INVALID_ARGUMENT where it makes no sense.
+Result<ClientOptions> ClientOptionsFrom(const CommandContext& context);
+// A client of --server.
+Result<Client> Connect(const CommandContext& context);
+
+// "note: ..." on standard error.
+void PrintNotes(const std::vector<std::string>& notes);
 
 // INVALID_ARGUMENT unless `value`, of the flag named, is in [least, most]; a NaN is in no range.
 // For the command's work: a value that parses but makes no sense is a failure, not wrong usage.

@@ -1,5 +1,8 @@
 #include "client/cli/draw.h"
 
+#include <filesystem>
+#include <fstream>
+
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -77,7 +80,14 @@ Status DrawLocalization(const std::string& photo_path, const View& view,
     DrawMatched(view, localization, false, image);
     DrawMatched(view, localization, true, image);
     DrawCaption(localization, image);
-    if (cv::imwrite(out_path, image)) return Status::Ok();
+    // Not imwrite, which does not notice a full disk.
+    std::vector<unsigned char> bytes;
+    cv::imencode(std::filesystem::path(out_path).extension().string(), image, bytes);
+    std::ofstream file(out_path, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (file && !bytes.empty()) return Status::Ok();
     return InvalidArgument("--draw", "'" + out_path + "' could not be written");
   } catch (const cv::Exception& error) {
     return InvalidArgument("--draw", "'" + out_path + "': " + error.msg);

@@ -12,7 +12,7 @@ namespace {
 constexpr char kExample[] = "  maploc end-session --server 127.0.0.1:50051 --session ID --json";
 
 Status Run(const CommandContext& context, const SessionId& session) {
-  const Client client(context.server);
+  MAPLOC_ASSIGN_OR_RETURN(const Client client, Connect(context));
   MAPLOC_ASSIGN_OR_RETURN(const SessionSummary summary, client.EndSession(session));
   context.json ? PrintJson(SummaryJson(summary)) : PrintSummary(summary, std::cout);
   return Status::Ok();

@@ -6,6 +6,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/output.h"
 #include "client/cli/recording_flags.h"
+#include "client/cli/stop_signals.h"
 #include "client/robot/metrics.h"
 #include "mapstore/base/table.h"
 
@@ -102,18 +103,24 @@ Status Check(const LoadFlags& flags) {
 
 Status Run(const CommandContext& context, const LoadFlags& flags) {
   MAPLOC_RETURN_IF_ERROR(Check(flags));
-  const Client client(context.server);
+  MAPLOC_ASSIGN_OR_RETURN(const Client client, Connect(context));
   MAPLOC_ASSIGN_OR_RETURN(const RemoteMap map, client.GetMap(flags.map));
   MAPLOC_ASSIGN_OR_RETURN(const RecordedRobot robot,
                           RecordedRobot::Open(flags.recording, map.info));
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<Query> queries, MakeQueries(robot));
+  PrintNotes(robot.Notes());
   LoadOptions options = flags.load;
+  MAPLOC_ASSIGN_OR_RETURN(options.client, ClientOptionsFrom(context));
+  options.stop = StopRequested;
+  CatchStopSignals();
   options.duration = std::chrono::duration<double>(flags.seconds);
   options.sessions = !flags.without_sessions;
   MAPLOC_ASSIGN_OR_RETURN(const LoadReport report,
                           RunLoad(context.server, flags.map, queries, options));
   context.json ? PrintJson(ReportJson(report)) : PrintReport(report);
-  return Status::Ok();
+  if (!StopRequested()) return Status::Ok();
+  return Status(StatusCode::kCancelled, "INTERRUPTED",
+                "interrupted; every session was ended, and what is reported was counted");
 }
 
 }  // namespace

@@ -11,8 +11,10 @@
 #include "client/cli/output.h"
 #include "client/cli/recording_flags.h"
 #include "client/robot/camera_file.h"
+#include "client/robot/photo_header.h"
 #include "mapstore/base/table.h"
 #include "mapstore/features/features.h"
+#include "mapstore/geometry/gravity_reading.h"
 
 namespace maploc {
 namespace {
@@ -28,6 +30,7 @@ struct LocalizeFlags {
   std::string map;
   std::string image;
   std::string camera;
+  std::optional<std::int64_t> camera_id;
   std::vector<double> gravity;
   double gravity_sigma_deg = 1.0;
   MethodFlags method;
@@ -37,24 +40,19 @@ struct LocalizeFlags {
 // Left out, gravity was not measured.
 Result<std::optional<Gravity>> ParseGravity(const LocalizeFlags& flags) {
   if (flags.gravity.empty()) return std::optional<Gravity>();
-  const Eigen::Vector3d direction(flags.gravity[0], flags.gravity[1], flags.gravity[2]);
-  if (!direction.allFinite() || direction.norm() < 1e-9) {
-    return InvalidArgument("--gravity",
-                           "must be a finite direction that is not zero, for example 0,1,0");
-  }
-  if (!(flags.gravity_sigma_deg > 0.0) || flags.gravity_sigma_deg > 90.0) {
-    return InvalidArgument("--gravity-sigma-deg", "must be above 0 and at most 90");
-  }
-  return std::optional(
-      Gravity{direction.normalized(), flags.gravity_sigma_deg * std::numbers::pi / 180.0});
+  MAPLOC_ASSIGN_OR_RETURN(
+      const Eigen::Vector3d down,
+      DownFromReading("--gravity", {flags.gravity[0], flags.gravity[1], flags.gravity[2]}));
+  MAPLOC_RETURN_IF_ERROR(CheckGravitySigmaDeg("--gravity-sigma-deg", flags.gravity_sigma_deg));
+  return std::optional(Gravity{down, flags.gravity_sigma_deg * std::numbers::pi / 180.0});
 }
 
 Result<View> ExtractView(const LocalizeFlags& flags, const MapInfo& map) {
-  MAPLOC_ASSIGN_OR_RETURN(Camera camera, ReadCameraFile(flags.camera));
+  MAPLOC_ASSIGN_OR_RETURN(Camera camera,
+                          ReadCameraFile({flags.camera, flags.image, flags.camera_id}));
   MAPLOC_ASSIGN_OR_RETURN(const GrayImage image, LoadGrayImage(flags.image));
-  if (image.width_px != camera.width_px() || image.height_px != camera.height_px()) {
-    return InvalidArgument("--camera", "its size is not that of the image " + flags.image);
-  }
+  MAPLOC_RETURN_IF_ERROR(
+      CheckPhotoSize(flags.image, image.width_px, image.height_px, camera, flags.camera));
   View view{std::move(camera), Rigid3{}, {}, {}};
   if (!map.point_descriptor.name.empty()) {
     MAPLOC_ASSIGN_OR_RETURN(view.points, DetectPoints(image, map.point_descriptor));
@@ -152,9 +150,10 @@ void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& o
 Status Run(const CommandContext& context, const LocalizeFlags& flags) {
   Query query;
   MAPLOC_ASSIGN_OR_RETURN(query.gravity, ParseGravity(flags));
-  const Client client(context.server);
+  MAPLOC_ASSIGN_OR_RETURN(const Client client, Connect(context));
   MAPLOC_ASSIGN_OR_RETURN(const RemoteMap map, client.GetMap(flags.map));
   MAPLOC_ASSIGN_OR_RETURN(View view, ExtractView(flags, map.info));
+  if (const std::string note = OrientationNote(flags.image); !note.empty()) PrintNotes({note});
   query.map = flags.map;
   query.views.push_back(std::move(view));
   query.requested_strategy = flags.method.RequestedStrategy();
@@ -182,14 +181,20 @@ void AddLocalizeCommand(CLI::App& app, CommandContext& context) {
   command->add_option("--image", flags->image, "the photo")->required();
   command
       ->add_option("--camera", flags->camera,
-                   "its calibration: a line of COLMAP's cameras.txt, or an EuRoC sensor.yaml")
+                   "its calibration, of the pixels as stored: COLMAP's cameras.txt (of several the "
+                   "one that images.txt beside it gives the photo), a model's folder, or an EuRoC "
+                   "sensor.yaml")
       ->required();
+  command->add_option("--camera-id", flags->camera_id, "which of several cameras took the photo");
   command
       ->add_option("--gravity", flags->gravity,
-                   "X,Y,Z: down, in the camera's frame; left out: not measured")
+                   "X,Y,Z: down, in the frame of the stored pixels' camera, unit or in m/s^2; left "
+                   "out: not measured")
       ->delimiter(',')
       ->expected(3);
-  command->add_option("--gravity-sigma-deg", flags->gravity_sigma_deg, "its standard deviation")
+  command
+      ->add_option("--gravity-sigma-deg", flags->gravity_sigma_deg,
+                   "its standard deviation, above 0 and at most 90")
       ->capture_default_str();
   AddMethodFlags(*command, flags->method);
   command->add_option("--draw", flags->draw, "write the photo with its matches and inliers");

@@ -1,8 +1,10 @@
 // maploc: the robot's side of map localization.
 #include <algorithm>
+#include <exception>
 #include <iostream>
 
 #include "client/cli/commands.h"
+#include "mapstore/base/standard_output.h"
 
 namespace maploc {
 namespace {
@@ -14,9 +16,20 @@ constexpr int kWrongUsage = 2;
 int Report(const Status& status) {
   if (status.ok()) return 0;
   std::string line = "maploc: " + status.ToString();
+  if (status.code() == StatusCode::kDeadlineExceeded) line += "; --timeout SECONDS waits longer";
   std::ranges::replace(line, '\n', ' ');
   std::cerr << line << "\n";
   return kFailed;
+}
+
+// Failure is a value here; what is thrown all the same comes from below: no memory, a strange path.
+Status Run(const CommandContext& context) {
+  try {
+    MAPLOC_RETURN_IF_ERROR(context.chosen());
+    return FlushStandardOutput();
+  } catch (const std::exception& error) {
+    return Internal(error.what());
+  }
 }
 
 int Main(int argc, char** argv) {
@@ -31,9 +44,10 @@ int Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error, std::cout, std::cerr) == 0 ? 0 : kWrongUsage;
+    if (app.exit(error, std::cout, std::cerr) != 0) return kWrongUsage;
+    return Report(FlushStandardOutput());
   }
-  return Report(context.chosen());
+  return Report(Run(context));
 }
 
 }  // namespace

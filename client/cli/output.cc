@@ -32,7 +32,11 @@ const char* Code(Ink ink) {
 
 }  // namespace
 
-void PrintJson(const nlohmann::ordered_json& document) { std::cout << document.dump(2) << "\n"; }
+void PrintJson(const nlohmann::ordered_json& document) {
+  // A name that is not UTF-8 must not keep the rest from being read.
+  std::cout << document.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+            << "\n";
+}
 
 nlohmann::ordered_json JsonOrNull(const std::optional<double>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);

@@ -12,14 +12,18 @@ void AddRecordingFlags(CLI::App& command, RecordingOptions& options) {
                      "folder of the photos: the lines to send, and the points without --database");
   CLI::Option* csv =
       command.add_option("--gravity-csv", options.gravity.csv,
-                         "measured gravity, name,gx,gy,gz: unit, down, camera frame");
+                         "measured gravity, name,gx,gy,gz: down, camera frame, unit or in m/s^2");
   command
       .add_option("--gravity-noise-deg", options.gravity.noise_deg,
                   "gravity from the reference as the map has it (so that a map that leans goes "
                   "unnoticed), turned by N(0, S) about the two horizontal axes")
       ->excludes(csv);
   command.add_option("--gravity-sigma-deg", options.gravity.sigma_deg,
-                     "standard deviation that is sent (default: the noise, or 1 with a CSV)");
+                     "standard deviation that is sent, above 0 and at most 90 (default: the "
+                     "noise, or 1 with a CSV)");
+  command.add_option("--max-features", options.max_features,
+                     "points of a query, the strongest (default: the server's limit of 20000 from "
+                     "--database, 5000 from --images)");
   command.add_option("--seed", options.gravity.seed, "of the gravity noise")->capture_default_str();
 }
 

@@ -1,10 +1,13 @@
 #include <iostream>
 #include <memory>
+#include <sstream>
 
 #include "client/cli/commands.h"
 #include "client/cli/output.h"
 #include "client/cli/recording_flags.h"
 #include "client/cli/replay_report.h"
+#include "client/cli/stop_signals.h"
+#include "mapstore/base/standard_output.h"
 
 namespace maploc {
 namespace {
@@ -23,6 +26,7 @@ struct ReplayFlags {
   std::string prior = "none";
   std::string robot = "maploc-replay";
   std::vector<std::string> labels;
+  bool keep_partial = false;
 };
 
 ReplayOptions OptionsFrom(const ReplayFlags& flags) {
@@ -33,23 +37,39 @@ ReplayOptions OptionsFrom(const ReplayFlags& flags) {
   options.refinement = flags.method.RequestedRefinement();
   options.max_error_px = flags.method.max_error_px;
   options.prior = flags.prior == "previous" ? PriorMode::kPrevious : PriorMode::kNone;
+  options.stop = StopRequested;
+  options.keep_partial = flags.keep_partial;
   return options;
 }
 
+std::string LateText(const ReplayReport& report, double timeout_s) {
+  std::ostringstream text;
+  text << report.CountLate() << " of " << report.entries.size() << " queries had no answer within "
+       << timeout_s << " s and count as not localized; --timeout SECONDS waits longer";
+  return text.str();
+}
+
 Status Run(const CommandContext& context, const ReplayFlags& flags) {
-  const Client client(context.server);
+  MAPLOC_ASSIGN_OR_RETURN(const Client client, Connect(context));
   MAPLOC_ASSIGN_OR_RETURN(const RemoteMap map, client.GetMap(flags.map));
   MAPLOC_ASSIGN_OR_RETURN(const RecordedRobot robot,
                           RecordedRobot::Open(flags.recording, map.info));
+  PrintNotes(robot.Notes());
+  CatchStopSignals();
   Result<ReplayReport> report = [&] {
     Progress progress("replay", robot.QueryCount());
     return Replay(client, flags.map, robot, OptionsFrom(flags), [&](const ReplayEntry& entry) {
-      progress.Advance(entry.name + " " + std::string(OutcomeName(entry.localization.outcome)));
+      progress.Advance(entry.name + " " + std::string(entry.OutcomeName()));
     });
   }();
   if (!report.ok()) return report.status();
   context.json ? PrintJson(ReplayJson(map, *report)) : PrintReplay(map, *report, std::cout);
-  return Status::Ok();
+  if (report->CountLate() > 0) {
+    PrintNotes({LateText(*report, context.timeout_s)});
+  }
+  if (!report->failure.ok()) return report->failure;
+  // The id stands in the output alone.
+  return FlushStandardOutput().WithContext("session " + report->session + " was counted, but");
 }
 
 }  // namespace
@@ -71,6 +91,10 @@ void AddReplayCommand(CLI::App& app, CommandContext& context) {
   command->add_option("--robot", flags->robot, "the robot's name")->capture_default_str();
   command->add_option("--label", flags->labels, "KEY=VALUE, kept with the session; repeatable")
       ->check(LabelCheck());
+  command->add_flag("--keep-partial", flags->keep_partial,
+                    "of a session that fails or is interrupted, report what was answered, and keep "
+                    "it counted; else it is not reported, and the message says how to take it back "
+                    "(the exit code is 1 both ways)");
 }
 
 }  // namespace maploc

@@ -26,7 +26,7 @@ Json EntryJson(const ReplayEntry& entry) {
   const LineCounts lines = AllLines(answer.evidence);
   Json json;
   json["name"] = entry.name;
-  json["outcome"] = OutcomeName(answer.outcome);
+  json["outcome"] = entry.OutcomeName();
   json["translation_error_m"] = entry.error ? Json(entry.error->translation_m) : Json();
   json["rotation_error_deg"] = entry.error ? Json(entry.error->rotation_deg) : Json();
   json["segment"] = answer.segment;
@@ -78,15 +78,15 @@ bool TellsDepthShares(const RemoteMap& map, const ReplayReport& report) {
   return !map.info.metric && report.WithinDepthShare().has_value();
 }
 
-std::string OutcomeCell(const Localization& answer) {
-  return std::string(OutcomeName(answer.outcome)) +
-         (answer.evidence.gravity_rejected ? ", not its gravity" : "");
+std::string OutcomeCell(const ReplayEntry& entry) {
+  return std::string(entry.OutcomeName()) +
+         (entry.localization.evidence.gravity_rejected ? ", not its gravity" : "");
 }
 
 std::vector<std::string> EntryCells(const ReplayEntry& entry, bool depth_shares) {
   const Localization& answer = entry.localization;
   const LineCounts lines = AllLines(answer.evidence);
-  const bool localized = answer.outcome == Outcome::kLocalized;
+  const bool localized = entry.failure.ok() && answer.outcome == Outcome::kLocalized;
   std::optional<double> length;
   std::optional<double> rotation_deg;
   if (entry.error) {
@@ -95,7 +95,7 @@ std::vector<std::string> EntryCells(const ReplayEntry& entry, bool depth_shares)
     rotation_deg = entry.error->rotation_deg;
   }
   return {entry.name,
-          Colour(localized ? Ink::kGreen : Ink::kYellow, OutcomeCell(answer)),
+          Colour(localized ? Ink::kGreen : Ink::kYellow, OutcomeCell(entry)),
           FormatNumber(length, 3),
           FormatNumber(rotation_deg, 2),
           std::to_string(answer.segment),
@@ -180,6 +180,8 @@ Json ReplayJson(const RemoteMap& map, const ReplayReport& report) {
   const InputFaults faults = report.CountInputFaults();
   json["gravity_rejected"] = faults.gravity_rejected;
   json["calibration_inconsistent"] = faults.calibration_inconsistent;
+  json["deadline_exceeded"] = report.CountLate();
+  json["complete"] = report.failure.ok();
   json["metric"] = map.info.metric;  // false: every "_m" is in the map's unknown unit
   json["median_translation_error_depth_share"] = JsonOrNull(report.MedianDepthShare());
   const std::optional<int> within = report.WithinDepthShare();

@@ -10,6 +10,7 @@
 #include "client/cli/output.h"
 #include "client/cli/replay_report.h"
 #include "client/cli/season_board.h"
+#include "client/cli/stop_signals.h"
 #include "client/robot/simulated_map.h"
 #include "client/robot/simulated_robot.h"
 #include "mapstore/base/table.h"
@@ -87,15 +88,25 @@ class SeasonRun {
     }
     threads.clear();
 
+    MAPLOC_RETURN_IF_ERROR(AllFailures(reports));
     SeasonResult result{season_, {}};
-    for (Result<ReplayReport>& report : reports) {
-      if (!report.ok()) return report.status();
-      result.sessions.push_back(*std::move(report));
-    }
+    for (Result<ReplayReport>& report : reports) result.sessions.push_back(*std::move(report));
     return result;
   }
 
  private:
+  // The first, with the messages of all: each names a session.
+  static Status AllFailures(const std::vector<Result<ReplayReport>>& reports) {
+    Status first;
+    std::string messages;
+    for (const Result<ReplayReport>& report : reports) {
+      if (report.ok()) continue;
+      if (first.ok()) first = report.status();
+      messages += (messages.empty() ? "" : " | ") + report.status().message();
+    }
+    return first.ok() ? first : Status(first.code(), first.reason(), messages);
+  }
+
   Result<ReplayReport> Drive(int robot, SeasonBoard& board) const {
     DriveOptions drive;
     drive.queries = flags_.queries;
@@ -106,7 +117,8 @@ class SeasonRun {
     ReplayOptions options;
     options.robot = RobotName(robot);
     options.labels = {{"season", std::string(SeasonName(season_))}};
-    const Client client(context_.server);
+    options.stop = StopRequested;
+    MAPLOC_ASSIGN_OR_RETURN(const Client client, Connect(context_));
     return Replay(client, flags_.map, SimulatedRobot(world_, drive, map_.info), options,
                   [&](const ReplayEntry& entry) { board.Add(robot, entry); });
   }
@@ -221,7 +233,7 @@ Result<std::vector<RemoteSegment>> SegmentsWithPaths(const Client& client, const
 
 Result<Outcomes> DriveAllSeasons(const CommandContext& context, const SimulateFlags& flags,
                                  const World& world, const RemoteMap& map, std::ostream& out) {
-  const Client client(context.server);
+  MAPLOC_ASSIGN_OR_RETURN(const Client client, Connect(context));
   Outcomes outcomes;
   MAPLOC_ASSIGN_OR_RETURN(outcomes.before, client.ListSegments(flags.map));
   std::vector<RemoteSegment> last = outcomes.before;
@@ -242,7 +254,9 @@ Status DriveAndReport(const CommandContext& context, const SimulateFlags& flags,
   if (context.server.empty() || flags.map.empty()) {
     return InvalidArgument("simulate", "needs --server and --map, or --write-world");
   }
-  MAPLOC_ASSIGN_OR_RETURN(const RemoteMap map, Client(context.server).GetMap(flags.map));
+  MAPLOC_ASSIGN_OR_RETURN(const Client client, Connect(context));
+  MAPLOC_ASSIGN_OR_RETURN(const RemoteMap map, client.GetMap(flags.map));
+  CatchStopSignals();
   std::ostream& people = context.json ? std::cerr : std::cout;
   people << "one mark a query: " << Colour(Ink::kGreen, "|") << " within 0.25 m and 2 degrees, "
          << Colour(Ink::kYellow, ":") << " coarser, " << Colour(Ink::kGrey, "o")

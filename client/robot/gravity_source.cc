@@ -4,8 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "client/robot/missing.h"
 #include "mapstore/formats/colmap.h"
 #include "mapstore/geometry/gravity.h"
+#include "mapstore/geometry/gravity_reading.h"
 
 namespace maploc {
 namespace {
@@ -13,9 +15,10 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kCsvSigmaDeg = 1.0;  // of an ordinary IMU, moving
 
-Status CheckAngle(const char* flag, double degrees) {
+// Zero is the reference's own direction.
+Status CheckNoise(double degrees) {
   if (std::isfinite(degrees) && degrees >= 0.0 && degrees <= 90.0) return Status::Ok();
-  return InvalidArgument(flag, "must lie in 0 to 90 degrees");
+  return InvalidArgument("--gravity-noise-deg", "must lie in 0 to 90 degrees");
 }
 
 }  // namespace
@@ -30,8 +33,10 @@ Eigen::Vector3d NoisyGravityInCamera(const Eigen::Quaterniond& camera_from_map, 
 Result<GravitySource> GravitySource::Create(const GravityOptions& options) {
   const double sigma_deg =
       options.sigma_deg.value_or(options.csv.empty() ? options.noise_deg : kCsvSigmaDeg);
-  MAPLOC_RETURN_IF_ERROR(CheckAngle("--gravity-noise-deg", options.noise_deg));
-  MAPLOC_RETURN_IF_ERROR(CheckAngle("--gravity-sigma-deg", sigma_deg));
+  MAPLOC_RETURN_IF_ERROR(CheckNoise(options.noise_deg));
+  if (options.sigma_deg) {
+    MAPLOC_RETURN_IF_ERROR(CheckGravitySigmaDeg("--gravity-sigma-deg", *options.sigma_deg));
+  }
   GravitySource source;
   source.options_ = options;
   source.sigma_rad_ = std::max(sigma_deg, kMinGravitySigmaDeg) * kRadPerDeg;
@@ -54,6 +59,19 @@ Result<Gravity> GravitySource::For(const std::string& image_name,
     return NotFound("gravity of image '" + image_name + "' in " + options_.csv, "NO_GRAVITY");
   }
   return Gravity{measured->second, sigma_rad_};
+}
+
+Status GravitySource::CheckHas(const std::vector<std::string>& image_names) const {
+  if (options_.csv.empty()) return Status::Ok();
+  std::vector<std::string> missing;
+  for (const std::string& name : image_names) {
+    if (!measured_in_camera_.contains(name)) missing.push_back(name);
+  }
+  if (missing.empty()) return Status::Ok();
+  return Status(StatusCode::kNotFound, "NO_GRAVITY",
+                MissingText(missing, image_names.size(), "gravity in " + options_.csv) +
+                    "; add a row name,gx,gy,gz for each, or leave --gravity-csv out to send the "
+                    "reference's direction");
 }
 
 }  // namespace maploc

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "mapstore/base/random.h"
 #include "mapstore/base/status.h"
@@ -31,9 +32,12 @@ Eigen::Vector3d NoisyGravityInCamera(const Eigen::Quaterniond& camera_from_map, 
 // Thread-safe once made.
 class GravitySource {
  public:
-  // INVALID_ARGUMENT: a sigma or noise that is negative, not finite or above 90 degrees, or what is
-  // wrong in the file.
+  // INVALID_ARGUMENT: a noise outside of 0 to 90 degrees, a stated sigma outside of (0, 90], or
+  // what is wrong in the file.
   static Result<GravitySource> Create(const GravityOptions& options);
+
+  // NOT_FOUND (NO_GRAVITY): how many of these images the file lacks, the first few, and the cure.
+  Status CheckHas(const std::vector<std::string>& image_names) const;
 
   // The same image has the same noise whatever else is asked. NOT_FOUND: the file lacks the image.
   Result<Gravity> For(const std::string& image_name, const Rigid3& camera_from_map) const;

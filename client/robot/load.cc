@@ -1,5 +1,6 @@
 #include "client/robot/load.h"
 
+#include <algorithm>
 #include <thread>
 #include <utility>
 
@@ -14,8 +15,7 @@ double MillisecondsSince(Moment start) {
       .count();
 }
 
-ClientOptions OneAttempt() {
-  ClientOptions options;
+ClientOptions OneAttempt(ClientOptions options) {
   options.max_attempts = 1;
   return options;
 }
@@ -25,8 +25,8 @@ class LoadRobot {
  public:
   LoadRobot(const std::string& server, const std::string& map, const std::vector<Query>& queries,
             const LoadOptions& options, int index)
-      : client_(server),
-        impatient_(server, OneAttempt()),
+      : client_(server, options.client),
+        impatient_(server, OneAttempt(options.client)),
         map_(map),
         queries_(queries),
         options_(options),
@@ -38,7 +38,7 @@ class LoadRobot {
       // Before the cast: at a tiny rate the next query is further off than a clock counts.
       if (after >= options_.duration) break;
       const Moment due = start + std::chrono::duration_cast<Moment::duration>(after);
-      std::this_thread::sleep_until(due);
+      if (!WaitUntil(due)) break;
       if (options_.sessions && session_.empty()) status_ = StartSession();
       if (status_.ok())
         Ask(i, options_.rate_per_second > 0 ? due : std::chrono::steady_clock::now());
@@ -55,6 +55,17 @@ class LoadRobot {
   Seconds Due(Moment start, std::int64_t i) const {
     if (options_.rate_per_second <= 0) return std::chrono::steady_clock::now() - start;
     return Seconds(static_cast<double>(i * options_.robots + index_) / options_.rate_per_second);
+  }
+
+  // In short steps, so that a stop is not slept through; false: a stop was asked for.
+  bool WaitUntil(Moment due) const {
+    constexpr auto kStep = std::chrono::milliseconds(100);
+    const auto stopped = [this] { return options_.stop && options_.stop(); };
+    for (Moment now = std::chrono::steady_clock::now(); now < due && !stopped();
+         now = std::chrono::steady_clock::now()) {
+      std::this_thread::sleep_for(std::min<Moment::duration>(kStep, due - now));
+    }
+    return !stopped();
   }
 
   Status StartSession() {
@@ -83,8 +94,9 @@ class LoadRobot {
   void EndSession() {
     if (session_.empty()) return;
     const Moment start = std::chrono::steady_clock::now();
-    const Result<SessionSummary> summary = client_.EndSession(std::exchange(session_, {}));
-    status_ = summary.status();
+    const SessionId session = std::exchange(session_, {});
+    const Result<SessionSummary> summary = client_.EndSession(session);
+    status_ = summary.status().WithContext("session " + session + ", which may be open still");
     if (summary.ok()) report_.end_session_ms.push_back(MillisecondsSince(start));
   }
 

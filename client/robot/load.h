@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ struct LoadOptions {
   double rate_per_second = 0.0;
   bool sessions = true;         // else queries outside of any session, which are not counted
   int queries_a_session = 100;  // then it is ended, and a new one is started
+  ClientOptions client;         // of each robot's connection; queries are never sent again
+  // Asked before each query; true ends the run early, every session too. May be empty.
+  std::function<bool()> stop;
 };
 
 struct LoadReport {
@@ -35,8 +39,9 @@ struct LoadReport {
 
 // `server` is HOST:PORT; each robot has a connection of its own, and its queries are sent once (a
 // refusal is an error that counts). The first Status of a session that cannot be started or ended
-// ends the run. REQUIRES: queries is not empty; robots and queries_a_session >= 1; duration
-// and rate finite and >= 0, duration within what a clock counts (292 years).
+// ends the run (with the id of one that may be open still). REQUIRES: queries is not empty; robots
+// and queries_a_session >= 1; duration and rate finite and >= 0, duration within what a clock
+// counts (292 years).
 Result<LoadReport> RunLoad(const std::string& server, const std::string& map,
                            const std::vector<Query>& queries, const LoadOptions& options);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "client/robot/metrics.h"
+#include "client/robot/photo_header.h"
+#include "client/robot/strongest.h"
 #include "mapstore/features/features.h"
 
 namespace maploc {
@@ -32,6 +34,10 @@ Status KindMismatch(const DescriptorKind& have, const DescriptorKind& want) {
                                 "); use --images to extract the map's kind");
 }
 
+bool IsPlainFromRoot(const DescriptorKind& have, const DescriptorKind& want) {
+  return have.name == "sift_root_u8" && want.name == "sift_u8";
+}
+
 std::vector<ColmapImage> SortedByName(const ColmapModel& model) {
   std::vector<ColmapImage> images;
   for (const auto& [id, image] : model.images) images.push_back(image);
@@ -41,18 +47,23 @@ std::vector<ColmapImage> SortedByName(const ColmapModel& model) {
 
 }  // namespace
 
+Status CheckConvertible(const DescriptorKind& have, const DescriptorKind& want) {
+  const bool same_bits = have.metric == want.metric && have.bytes == want.bytes &&
+                         want.metric == DescriptorMetric::kHamming;
+  const bool convertible = have == want || IsPlainFromRoot(have, want) || same_bits;
+  return convertible ? Status::Ok() : KindMismatch(have, want);
+}
+
 Result<PointFeatures> ConvertToKind(PointFeatures points, const DescriptorKind& kind) {
   Descriptors& descriptors = points.descriptors;
   if (descriptors.kind == kind) return points;
   if (points.keypoints_px.empty()) return PointFeatures{{}, {kind, {}}};
-  if (descriptors.kind.name == "sift_root_u8" && kind.name == "sift_u8") {
+  MAPLOC_RETURN_IF_ERROR(CheckConvertible(descriptors.kind, kind));
+  if (IsPlainFromRoot(descriptors.kind, kind)) {
     for (int i = 0; i < descriptors.size(); ++i) {
       PlainFromRootSift(descriptors.bytes.data() + static_cast<std::size_t>(i) * kind.bytes,
                         kind.bytes);
     }
-  } else if (descriptors.kind.metric != kind.metric || descriptors.kind.bytes != kind.bytes ||
-             kind.metric != DescriptorMetric::kHamming) {
-    return KindMismatch(descriptors.kind, kind);
   }
   descriptors.kind = kind;
   return points;
@@ -69,12 +80,15 @@ Result<RecordedRobot> RecordedRobot::Open(const RecordingOptions& options, const
   if (robot.images_.empty()) return InvalidFile(options.model_dir, "the model has no images");
   if (!options.database.empty()) {
     MAPLOC_ASSIGN_OR_RETURN(robot.features_, ReadColmapDatabase(options.database));
-    for (const ColmapImage& image : robot.images_) {
-      if (robot.features_.contains(image.name)) continue;
-      return InvalidFile(options.database, "has no features of image '" + image.name + "'");
-    }
   }
+  MAPLOC_RETURN_IF_ERROR(robot.CheckInputs());
   return robot;
+}
+
+std::vector<std::string> RecordedRobot::ImageNames() const {
+  std::vector<std::string> names;
+  for (const ColmapImage& image : images_) names.push_back(image.name);
+  return names;
 }
 
 Rigid3 RecordedRobot::CameraFromMap(int index) const {
@@ -101,25 +115,24 @@ std::optional<double> RecordedRobot::SceneDepth(int index) const {
 }
 
 Status RecordedRobot::AddFeatures(int index, View& view) const {
-  const bool wants_points = !map_.point_descriptor.name.empty();
-  const bool wants_lines = !map_.line_descriptor.name.empty();
-  if (wants_points && !options_.database.empty()) {
-    const PointFeatures& stored = features_.at(images_[index].name).points;
-    Result<PointFeatures> points = ConvertToKind(stored, map_.point_descriptor);
+  if (ReadsDatabase()) {
+    const ColmapFeatures& stored = features_.at(images_[index].name);
+    Result<PointFeatures> points = ConvertToKind(
+        Strongest(stored.points, stored.scales_px, options_.max_features.value_or(kMaxSentPoints)),
+        map_.point_descriptor);
     if (!points.ok()) return points.status().WithContext(options_.database);
     view.points = *std::move(points);
   }
-  const bool detect_points = wants_points && options_.database.empty();
-  if (options_.images.empty() || (!detect_points && !wants_lines)) return Status::Ok();
+  if (!ReadsPhotos()) return Status::Ok();
   MAPLOC_ASSIGN_OR_RETURN(const GrayImage image, LoadGrayImage(ImagePath(index)));
-  if (image.width_px != view.camera.width_px() || image.height_px != view.camera.height_px()) {
-    return InvalidFile(ImagePath(index),
-                       "its size is not that of the camera in " + options_.model_dir);
+  MAPLOC_RETURN_IF_ERROR(CheckPhotoSize(ImagePath(index), image.width_px, image.height_px,
+                                        view.camera, options_.model_dir));
+  if (DetectsPoints()) {
+    PointDetectionOptions detection;
+    detection.max_features = options_.max_features.value_or(detection.max_features);
+    MAPLOC_ASSIGN_OR_RETURN(view.points, DetectPoints(image, map_.point_descriptor, detection));
   }
-  if (detect_points) {
-    MAPLOC_ASSIGN_OR_RETURN(view.points, DetectPoints(image, map_.point_descriptor));
-  }
-  if (wants_lines) {
+  if (WantsLines()) {
     MAPLOC_ASSIGN_OR_RETURN(view.lines, DetectLines(image));
   }
   return Status::Ok();

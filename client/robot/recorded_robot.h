@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,19 +14,28 @@
 
 namespace maploc {
 
+// Points of one query that a server takes: localization_service.proto.
+inline constexpr int kMaxSentPoints = 20000;
+
 struct RecordingOptions {
   std::string model_dir;  // COLMAP model; its poses are the reference
   std::string database;   // point features; may be empty
   std::string images;     // image files at images/NAME; may be empty
   GravityOptions gravity;
+  // Points a query, the strongest; unset: what the server takes (20,000) of a database, and the
+  // detector's own (5,000) of photos.
+  std::optional<int> max_features;
 };
 
 // Features for a map: of its descriptor kinds, and none where it has none. Points come from
 // `database` where given, else from `images`; lines from `images`.
 class RecordedRobot : public Robot {
  public:
-  // `map` says the kinds and the frame. Error: what is wrong in which file; FAILED_PRECONDITION
-  // (DESCRIPTOR_KIND_MISMATCH) when the database's descriptors cannot become the map's.
+  // `map` says the kinds and the frame. Checks every input that a query will need, so that no
+  // session is begun that cannot end: names, features, the database's kind, photos (there, and of
+  // the camera's size where the file's header tells), gravity. Error: what is wrong in which file,
+  // of how many images, and the cure; FAILED_PRECONDITION (DESCRIPTOR_KIND_MISMATCH) when the
+  // database's descriptors cannot become the map's.
   static Result<RecordedRobot> Open(const RecordingOptions& options, const MapInfo& map);
 
   int QueryCount() const override { return static_cast<int>(images_.size()); }
@@ -34,6 +44,10 @@ class RecordedRobot : public Robot {
   Rigid3 ReferenceMapFromBody(int index) const override;
   // From the model's points that the image observes; nullopt where it has none.
   std::optional<double> SceneDepth(int index) const override;
+
+  // What a person should know before the queries are sent, a sentence each: points left out,
+  // photos that are shown turned.
+  std::vector<std::string> Notes() const;
 
   // The file of an image; empty without `images`.
   std::string ImagePath(int index) const;
@@ -44,6 +58,17 @@ class RecordedRobot : public Robot {
 
   Rigid3 CameraFromMap(int index) const;
   Status AddFeatures(int index, View& view) const;
+  Status CheckInputs() const;
+  Status CheckDatabase() const;
+  Status CheckPhotos() const;
+  std::string PointsNote() const;
+  std::string OrientationNote() const;
+  bool WantsPoints() const { return !map_.point_descriptor.name.empty(); }
+  bool WantsLines() const { return !map_.line_descriptor.name.empty(); }
+  bool ReadsDatabase() const { return WantsPoints() && !options_.database.empty(); }
+  bool DetectsPoints() const { return WantsPoints() && options_.database.empty(); }
+  bool ReadsPhotos() const { return !options_.images.empty() && (DetectsPoints() || WantsLines()); }
+  std::vector<std::string> ImageNames() const;
 
   RecordingOptions options_;
   MapInfo map_;
@@ -52,6 +77,9 @@ class RecordedRobot : public Robot {
   std::vector<ColmapImage> images_;  // by name
   std::map<std::string, ColmapFeatures> features_;
 };
+
+// FAILED_PRECONDITION (DESCRIPTOR_KIND_MISMATCH) where ConvertToKind cannot make `want` of `have`.
+Status CheckConvertible(const DescriptorKind& have, const DescriptorKind& want);
 
 // `points` with the map's kind: the same kind, or a binary one of the same length under another
 // name (COLMAP's database names none), or COLMAP's L1-root SIFT turned into plain SIFT. Else

@@ -6,6 +6,10 @@
 namespace maploc {
 namespace {
 
+bool IsLate(const ReplayEntry& entry) {
+  return entry.failure.code() == StatusCode::kDeadlineExceeded;
+}
+
 // One query's way; keeps the last position for the prior.
 class Runner {
  public:
@@ -23,7 +27,7 @@ class Runner {
     query.prior = prior_;
 
     const auto start = std::chrono::steady_clock::now();
-    MAPLOC_ASSIGN_OR_RETURN(Localization localization, client_.Localize(query));
+    Result<Localization> localization = client_.Localize(query);
     const std::chrono::duration<double, std::milli> latency =
         std::chrono::steady_clock::now() - start;
 
@@ -32,11 +36,15 @@ class Runner {
     entry.reference_map_from_body = robot_.ReferenceMapFromBody(index);
     entry.scene_depth = robot_.SceneDepth(index);
     entry.latency_ms = latency.count();
-    if (localization.map_from_body) {
-      entry.error = ErrorBetween(*localization.map_from_body, entry.reference_map_from_body);
-      Remember(localization.map_from_body->translation);
+    entry.failure = localization.status();
+    if (!localization.ok()) {
+      return IsLate(entry) ? Result<ReplayEntry>(entry) : localization.status();
     }
-    entry.localization = std::move(localization);
+    if (localization->map_from_body) {
+      entry.error = ErrorBetween(*localization->map_from_body, entry.reference_map_from_body);
+      Remember(localization->map_from_body->translation);
+    }
+    entry.localization = *std::move(localization);
     return entry;
   }
 
@@ -55,7 +63,57 @@ class Runner {
   std::optional<PosePrior> prior_;
 };
 
+// Every query, into the report, until one fails.
+Status AskAll(Runner& runner, const Robot& robot, const ReplayOptions& options,
+              const ReplayObserver& observer, ReplayReport& report) {
+  int late_in_a_row = 0;
+  for (int i = 0; i < robot.QueryCount(); ++i) {
+    if (options.stop && options.stop()) {
+      return Status(StatusCode::kCancelled, "INTERRUPTED", "interrupted");
+    }
+    const std::string query = "query '" + robot.QueryName(i) + "'";
+    Result<ReplayEntry> entry = runner.Run(i);
+    if (!entry.ok()) return entry.status().WithContext(query);
+    late_in_a_row = IsLate(*entry) ? late_in_a_row + 1 : 0;
+    report.entries.push_back(*std::move(entry));
+    if (observer) observer(report.entries.back());
+    if (late_in_a_row == kMaxLateInARow) {
+      return report.entries.back().failure.WithContext(
+          query + " is the " + std::to_string(kMaxLateInARow) + "th in a row without an answer");
+    }
+  }
+  return Status::Ok();
+}
+
+// What has become of a session that is not whole, and the way back.
+Status Explain(const Status& failure, const ReplayReport& report, const Robot& robot,
+               const ReplayOptions& options, const Result<SessionSummary>& ended) {
+  const std::string& id = report.session;
+  const std::string revoke = "`maploc-map revoke --session " + id + "`";
+  const std::string answers = std::to_string(report.entries.size()) + " of " +
+                              std::to_string(robot.QueryCount()) + " answers";
+  std::string text = failure.message() + "; session " + id;
+  if (!ended.ok()) {
+    text += " has " + answers + " and may be open still: `maploc end-session --session " + id +
+            "` ends it, " + revoke + " takes it back";
+  } else if (ended->queries == 0) {
+    text += " was ended, and nothing was counted";
+  } else {
+    text += " was ended after " + answers + ", and " + std::to_string(ended->queries) +
+            " queries count" + (options.keep_partial ? "" : " until " + revoke + " takes it back");
+  }
+  return Status(failure.code(), failure.reason(), text);
+}
+
 }  // namespace
+
+std::string_view ReplayEntry::OutcomeName() const {
+  return failure.ok() ? maploc::OutcomeName(localization.outcome) : StatusCodeName(failure.code());
+}
+
+int ReplayReport::CountLate() const {
+  return static_cast<int>(std::ranges::count_if(entries, IsLate));
+}
 
 std::optional<double> ReplayEntry::DepthShare() const {
   if (!error || !scene_depth || *scene_depth <= 0.0) return std::nullopt;
@@ -109,18 +167,13 @@ Result<ReplayReport> Replay(const Client& client, const std::string& map, const 
   ReplayReport report;
   MAPLOC_ASSIGN_OR_RETURN(report.session, client.StartSession(map, options.robot, options.labels));
   Runner runner(client, map, robot, options, report.session);
-  for (int i = 0; i < robot.QueryCount(); ++i) {
-    Result<ReplayEntry> entry = runner.Run(i);
-    if (!entry.ok()) {
-      // What was answered so far is still worth counting; the first fault is the one to tell.
-      const Result<SessionSummary> ended = client.EndSession(report.session);
-      return entry.status().WithContext("query '" + robot.QueryName(i) + "'" +
-                                        (ended.ok() ? "" : " (and its session stays open)"));
-    }
-    report.entries.push_back(*std::move(entry));
-    if (observer) observer(report.entries.back());
-  }
-  MAPLOC_ASSIGN_OR_RETURN(report.summary, client.EndSession(report.session));
+  report.failure = AskAll(runner, robot, options, observer, report);
+  const Result<SessionSummary> ended = client.EndSession(report.session);
+  if (ended.ok()) report.summary = *ended;
+  if (report.failure.ok()) report.failure = ended.status();
+  if (report.failure.ok()) return report;
+  report.failure = Explain(report.failure, report, robot, options, ended);
+  if (!options.keep_partial) return report.failure;
   return report;
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "client/api/client.h"
@@ -27,7 +28,15 @@ struct ReplayOptions {
   std::optional<double> max_error_px;  // Query::max_error_px
   PriorMode prior = PriorMode::kNone;
   double prior_sigma = 5.0;  // in the map's unit: how far a robot may come between two queries
+  // Asked before each query; true ends the session early (CANCELLED). May be empty.
+  std::function<bool()> stop;
+  // Of a session that ends early the report is returned all the same, with `failure`.
+  bool keep_partial = false;
 };
+
+// As many queries in a row without an answer in time end a session: the server hangs, or its time
+// is too short for any query.
+inline constexpr int kMaxLateInARow = 5;
 
 // What counts as right where lengths have no unit.
 inline constexpr double kGoodDepthShare = 0.01;
@@ -35,12 +44,17 @@ inline constexpr double kGoodRotationDeg = 1.0;
 
 struct ReplayEntry {
   std::string name;
+  // DEADLINE_EXCEEDED where no answer came in time; `localization` is then empty, and the query
+  // counts as not localized.
+  Status failure;
   Localization localization;
   Rigid3 reference_map_from_body;
   std::optional<PoseError> error;     // with a pose alone
   std::optional<double> scene_depth;  // Robot::SceneDepth
   double latency_ms = 0.0;            // of the call, as the robot sees it
 
+  // The outcome's name, or the failure's code.
+  std::string_view OutcomeName() const;
   // The translation error's share of the scene's depth, where both are known.
   std::optional<double> DepthShare() const;
 };
@@ -55,7 +69,10 @@ struct ReplayReport {
   SessionId session;
   std::vector<ReplayEntry> entries;
   SessionSummary summary;
+  Status failure;  // why the session ended early; ok with keep_partial unset
 
+  // Queries without an answer in time.
+  int CountLate() const;
   std::vector<std::optional<PoseError>> Errors() const;
   std::vector<double> LatenciesMs() const;
   InputFaults CountInputFaults() const;
@@ -68,7 +85,9 @@ struct ReplayReport {
 // Called after each answer, in order.
 using ReplayObserver = std::function<void(const ReplayEntry&)>;
 
-// A fault (not: an answer without a pose) ends the session and is returned with the query's name.
+// A fault (not: an answer without a pose, nor one that comes too late) ends the session and is
+// returned with the query's name, the session's id, and how to take back what was counted: the
+// service has no way to abandon a session.
 Result<ReplayReport> Replay(const Client& client, const std::string& map, const Robot& robot,
                             const ReplayOptions& options, const ReplayObserver& observer);
 

@@ -62,6 +62,7 @@ struct ColmapFeatures {
   std::int64_t image_id = 0;
   std::string name;
   PointFeatures points;  // keypoint columns 2, 4 or 6; rows of keypoints and descriptors agree
+  std::vector<float> scales_px;  // one a keypoint, 0 where it is not finite; empty with 2 columns
 };
 
 // The features of all images in database.db, by image name. `kind`: empty name means guess (128
@@ -75,8 +76,8 @@ Result<std::map<std::string, ColmapFeatures>> ReadColmapDatabase(
 // float64, or a direction of no length.
 Result<std::map<std::string, Eigen::Vector3d>> ReadColmapGravity(const std::string& path);
 
-// "name,gx,gy,gz" with '#' comments and a header line: unit gravity, down, in the camera frame, by
-// image name.
+// "name,gx,gy,gz" with '#' comments and a header line: gravity, down, in the camera frame, unit or
+// in m/s^2 (geometry/gravity_reading.h), by image name; normalized.
 Result<std::map<std::string, Eigen::Vector3d>> ReadGravityCsv(const std::string& path);
 
 }  // namespace maploc

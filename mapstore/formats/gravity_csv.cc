@@ -1,18 +1,16 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <vector>
 
 #include "mapstore/formats/colmap.h"
 #include "mapstore/formats/file_bytes.h"
 #include "mapstore/formats/text_fields.h"
+#include "mapstore/geometry/gravity_reading.h"
 
 namespace maploc {
 namespace {
 
 constexpr std::array<std::string_view, 4> kHeader = {"name", "gx", "gy", "gz"};
-// Written with a few digits, a unit vector is one only so far.
-constexpr double kNormTolerance = 1e-3;
 
 struct GravityRow {
   std::string name;
@@ -74,11 +72,7 @@ Result<GravityRow> ParseRow(const std::vector<std::string>& fields) {
   for (std::size_t i = 1; i < first_number; ++i) name += "," + fields[i];
   row.name = TextFields(name).Rest();
   if (row.name.empty()) return InvalidArgument("name", "is missing");
-  const double norm = row.gravity_in_camera.norm();
-  if (!(std::abs(norm - 1.0) <= kNormTolerance)) {
-    return InvalidArgument("gravity", "must be a unit vector, its norm is " + std::to_string(norm));
-  }
-  row.gravity_in_camera /= norm;
+  MAPLOC_ASSIGN_OR_RETURN(row.gravity_in_camera, DownFromReading("gravity", row.gravity_in_camera));
   return row;
 }
 

@@ -31,6 +31,17 @@ std::string LearnedFeatures(sqlite3_stmt* row, int column) {
   return "features of type " + std::to_string(type);
 }
 
+// Of a row (x, y, scale, orientation) or (x, y, a11, a12, a21, a22), as COLMAP has it: of an affine
+// shape the mean of its axes' lengths.
+float ScaleOf(const float* keypoint, std::int64_t cols) {
+  std::array<float, 4> shape{};
+  std::memcpy(shape.data(), keypoint + 2, static_cast<std::size_t>(cols - 2) * sizeof(float));
+  const float scale =
+      cols == 4 ? shape[0]
+                : (std::hypot(shape[0], shape[2]) + std::hypot(shape[1], shape[3])) / 2.0f;
+  return std::isfinite(scale) ? scale : 0.0f;
+}
+
 class Reader {
  public:
   Reader(SqliteColmapFile file, const std::optional<DescriptorKind>& kind)
@@ -125,6 +136,9 @@ class Reader {
         return RowError("keypoints", features, "keypoint " + std::to_string(i) + " is not finite");
       }
       features.points.keypoints_px.emplace_back(xy[0] - 0.5f, xy[1] - 0.5f);
+      if (block.cols == 2) continue;
+      features.scales_px.push_back(
+          ScaleOf(static_cast<const float*>(block.data) + i * block.cols, block.cols));
     }
     return Status::Ok();
   }

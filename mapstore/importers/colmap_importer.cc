@@ -29,10 +29,10 @@ Status CheckOptions(const ColmapImportOptions& options) {
   MAPLOC_RETURN_IF_ERROR(CheckName("map name", options.map_name));
   if (options.meters_per_unit &&
       !(*options.meters_per_unit > 0 && *options.meters_per_unit < 1e9)) {
-    return InvalidArgument("scale", "must be positive, metres a unit of the model");
+    return InvalidArgument("scale", "must be above 0 and below 1e9, metres a unit of the model");
   }
   if (options.segment_length && !(*options.segment_length > 0 && *options.segment_length < 1e12)) {
-    return InvalidArgument("segment-length", "must be positive");
+    return InvalidArgument("segment-length", "must be above 0 and below 1e12");
   }
   if (options.database_path.empty() && options.images_directory.empty()) {
     return InvalidArgument("descriptors",

@@ -3,6 +3,7 @@
 #include <exception>
 #include <iostream>
 
+#include "mapstore/base/standard_output.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/restore.h"
 #ifdef MAPLOC_HAS_IMPORT_COLMAP
@@ -46,10 +47,17 @@ std::string OneLine(std::string text) {
 // Failure is a value here; what is thrown all the same comes from below: no memory, a strange path.
 maploc::Status Run(const maploc::CommandContext& context) {
   try {
-    return context.chosen();
+    MAPLOC_RETURN_IF_ERROR(context.chosen());
+    return maploc::FlushStandardOutput();
   } catch (const std::exception& error) {
     return maploc::Internal(error.what());
   }
+}
+
+int Report(const maploc::Status& status) {
+  if (status.ok()) return 0;
+  std::cerr << "maploc-map: " << OneLine(status.message()) << "\n";
+  return kFailed;
 }
 
 }  // namespace
@@ -63,10 +71,8 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kWrongUsage;
+    if (app.exit(error) != 0) return kWrongUsage;
+    return Report(maploc::FlushStandardOutput());
   }
-  const maploc::Status status = Run(context);
-  if (status.ok()) return 0;
-  std::cerr << "maploc-map: " << OneLine(status.message()) << "\n";
-  return kFailed;
+  return Report(Run(context));
 }

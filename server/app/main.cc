@@ -7,6 +7,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "mapstore/base/standard_output.h"
 #include "server/app/options.h"
 #include "server/app/server.h"
 #include "server/sessions/caught.h"
@@ -39,7 +40,11 @@ int Fail(const maploc::Status& status) {
 
 int main(int argc, char** argv) {
   const maploc::CommandLine command_line = maploc::ParseCommandLine(argc, argv);
-  if (command_line.exit_code) return *command_line.exit_code;
+  if (command_line.exit_code) {
+    // Help and version are answers too, which may get lost.
+    const maploc::Status printed = maploc::FlushStandardOutput();
+    return *command_line.exit_code == 0 && !printed.ok() ? Fail(printed) : *command_line.exit_code;
+  }
   spdlog::set_default_logger(spdlog::stderr_color_mt("maploc-server"));
   spdlog::set_level(spdlog::level::from_str(command_line.options.log_level));
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "mapstore/base/standard_output.h"
 #include "tests/experiments/commands.h"
 #include "tests/experiments/lies/command.h"
 #include "tests/experiments/selection/command.h"
@@ -12,6 +13,14 @@ namespace {
 
 constexpr int kFailed = 1;
 constexpr int kWrongUsage = 2;
+
+int Report(const Status& status) {
+  if (status.ok()) return 0;
+  std::string line = "maploc-experiments: " + status.message();
+  std::ranges::replace(line, '\n', ' ');
+  std::cerr << line << "\n";
+  return kFailed;
+}
 
 int Main(int argc, char** argv) {
   CLI::App app("The paper's experiments beside the peers, in one run", "maploc-experiments");
@@ -28,14 +37,11 @@ int Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kWrongUsage;
+    if (app.exit(error) != 0) return kWrongUsage;
+    return Report(FlushStandardOutput());
   }
   const Status status = context.chosen();
-  if (status.ok()) return 0;
-  std::string line = "maploc-experiments: " + status.message();
-  std::ranges::replace(line, '\n', ' ');
-  std::cerr << line << "\n";
-  return kFailed;
+  return Report(status.ok() ? FlushStandardOutput() : status);
 }
 
 }  // namespace

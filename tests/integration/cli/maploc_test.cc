@@ -1,13 +1,9 @@
 // The real binaries, as a script uses them: exit codes, JSON and messages of `maploc`.
-#include <memory>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/files.h"
-#include "tests/support/run_binary.h"
-#include "tests/support/server_process.h"
+#include "tests/integration/cli/campus_fixture.h"
 
 namespace maploc::testing {
 namespace {
@@ -15,35 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-// One campus, imported and served, for all tests of this file.
-class MaplocTest : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    folder_ = std::make_unique<TemporaryFolder>();
-    server_ = std::make_unique<ServerProcess>(*folder_);
-    const std::string campus = folder_->File("campus");
-    const Output written = RunBinary("maploc simulate --write-world " + campus);
-    ASSERT_EQ(written.exit_code, 0) << written.error;
-    const Output imported = RunBinary("maploc-map import-colmap --store " + folder_->File("store") +
-                                      " --map campus --model " + campus + "/model --database " +
-                                      campus + "/database.db --descriptors orb --lines " + campus +
-                                      "/lines.txt --gravity 0,0,-1 --scale 1 --segment-length 45");
-    ASSERT_EQ(imported.exit_code, 0) << imported.error;
-    server_address_ = server_->Start();
-    ASSERT_NE(server_address_, "");
-  }
-  static void TearDownTestSuite() {
-    server_.reset();
-    folder_.reset();
-  }
-
-  static std::string At() { return " --server " + server_address_ + " "; }
-  static std::string Campus(const std::string& file) { return folder_->File("campus/" + file); }
-
-  static inline std::unique_ptr<TemporaryFolder> folder_;
-  static inline std::unique_ptr<ServerProcess> server_;
-  static inline std::string server_address_;
-};
+using MaplocTest = CampusTest;
 
 TEST_F(MaplocTest, WrongUsageIsTwoAndHelpShowsAnExample) {
   for (const std::string wrong :

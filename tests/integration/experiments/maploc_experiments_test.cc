@@ -145,6 +145,22 @@ TEST(Experiments, WhatCannotBeDoneIsOneAndALine) {
   }
 }
 
+// On a full disk.
+TEST(Experiments, ATableThatDoesNotArriveIsAFailure) {
+  for (const std::string arguments :
+       {"--help", "accuracy --help", "selection --help", "lies --help",
+        "robustness --trials 1 --methods p3p --only inliers=10 --json",
+        "robustness --trials 1 --methods p3p --only inliers=10"}) {
+    SCOPED_TRACE(arguments);
+    const TemporaryFolder folder;
+    const std::string command = std::string(MAPLOC_BIN_DIR) + "/maploc-experiments " + arguments +
+                                " >/dev/full 2>" + folder.File("error");
+    const int status = std::system(command.c_str());
+    EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 1);
+    EXPECT_THAT(folder.Read("error"), HasSubstr("standard output cannot be written: "));
+  }
+}
+
 TEST(Experiments, HelpHasAnExample) {
   for (const std::string command :
        {"accuracy", "sensitivity", "robustness", "timing", "false-accepts", "reliability"}) {

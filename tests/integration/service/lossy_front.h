@@ -1,10 +1,13 @@
 // A service in front of the real one that loses answers: the call is made and done, and the client
-// hears UNAVAILABLE; or refuses calls before they begin, as a server with a full queue does.
+// hears UNAVAILABLE; refuses calls before they begin, as a server with a full queue does; or is
+// slow.
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include <grpcpp/grpcpp.h>
 
@@ -44,6 +47,8 @@ class LossyFront final : public v1::LocalizationService::Service {
   std::atomic<int> to_lose = 0;        // of the next answers
   std::atomic<int> to_refuse = 0;      // of the next calls
   std::atomic<int> pushback_ms = 100;  // that a refusal asks for
+  std::atomic<int> to_delay = 0;       // of the next calls
+  std::atomic<int> delay_ms = 1000;
 
  private:
   template <class Method, class Request, class Response>
@@ -55,6 +60,10 @@ class LossyFront final : public v1::LocalizationService::Service {
       context->AddTrailingMetadata("maploc-reason", "QUEUE_FULL");
       context->AddTrailingMetadata("grpc-retry-pushback-ms", std::to_string(pushback_ms));
       return {grpc::StatusCode::RESOURCE_EXHAUSTED, "too many requests wait (QUEUE_FULL)"};
+    }
+    if (to_delay > 0) {
+      --to_delay;
+      std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
     }
     grpc::ClientContext onward;
     const grpc::Status status = (*real_.*method)(&onward, request, response);

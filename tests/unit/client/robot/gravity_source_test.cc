@@ -98,5 +98,14 @@ TEST(GravitySourceTest, RefusesAnglesThatMakeNoSense) {
   }
 }
 
+// The default for a noise of zero is the least that can be sent; a stated zero is a mistake.
+TEST(GravitySourceTest, AStatedSigmaIsAboveZeroAndAtMostNinety) {
+  for (const double degrees : {0.0, -1.0, 91.0, 180.0, std::nan("")}) {
+    GravityOptions options;
+    options.sigma_deg = degrees;
+    EXPECT_EQ(GravitySource::Create(options).status().code(), StatusCode::kInvalidArgument);
+  }
+}
+
 }  // namespace
 }  // namespace maploc

@@ -1,5 +1,7 @@
 #include "client/robot/recorded_robot.h"
 
+#include <filesystem>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -99,7 +101,7 @@ TEST_F(RecordedRobotTest, ABinaryDatabaseTakesTheMapsNameForItsLength) {
 
 TEST_F(RecordedRobotTest, RefusesADatabaseOfAnotherKindThanTheMaps) {
   map_.point_descriptor = *DescriptorKindFromName("sift_root_u8");
-  const Status status = Open().MakeQuery(0).status();
+  const Status status = RecordedRobot::Open(options_, map_).status();
   EXPECT_EQ(status.reason(), "DESCRIPTOR_KIND_MISMATCH");
   EXPECT_THAT(status.message(), HasSubstr("binary32"));
   EXPECT_THAT(status.message(), HasSubstr("database.db"));
@@ -118,7 +120,8 @@ TEST_F(RecordedRobotTest, NamesTheImageThatTheDatabaseLacks) {
   EXPECT_TRUE(robot->MakeQuery(1)->views[0].points.keypoints_px.empty());
   model_.images.erase(1);
   ASSERT_TRUE(WriteColmapDatabase(folder_.File("database.db"), model_, {{"a", Features(32)}}).ok());
-  EXPECT_THAT(RecordedRobot::Open(options_, map_).status().message(), HasSubstr("image 'b'"));
+  EXPECT_THAT(RecordedRobot::Open(options_, map_).status().message(),
+              HasSubstr("1 of 2 images have no row in it: 'b'"));
 }
 
 TEST_F(RecordedRobotTest, NeedsFeaturesFromSomewhere) {
@@ -126,11 +129,97 @@ TEST_F(RecordedRobotTest, NeedsFeaturesFromSomewhere) {
   EXPECT_EQ(RecordedRobot::Open(options_, map_).status().code(), StatusCode::kInvalidArgument);
 }
 
-TEST_F(RecordedRobotTest, NamesThePhotoThatIsMissing) {
+// Before any session begins, and of all images at once.
+TEST_F(RecordedRobotTest, TellsHowManyPhotosAreMissingAndWhereTheyWereLookedFor) {
   options_.database.clear();
   options_.images = folder_.File("photos");
   map_.point_descriptor = *DescriptorKindFromName("orb");
-  EXPECT_THAT(Open().MakeQuery(0).status().message(), HasSubstr("photos/a"));
+  const std::string none = RecordedRobot::Open(options_, map_).status().message();
+  EXPECT_THAT(none, HasSubstr("photos: 2 of 2 images have no photo in it: 'a', 'b'"));
+  std::filesystem::create_directory(options_.images);
+  folder_.Write("photos/a", "P5 64 48 255\n" + std::string(64 * 48, '\x80'));
+  EXPECT_THAT(RecordedRobot::Open(options_, map_).status().message(),
+              HasSubstr("1 of 2 images have no photo in it: 'b'"));
+  folder_.Write("photos/b", testing::ReadFile(folder_.File("photos/a")));
+  EXPECT_TRUE(Open().MakeQuery(1).ok());
+}
+
+// A phone's gravity may be of the photo as it is shown.
+TEST_F(RecordedRobotTest, SaysThatMeasuredGravityMustBeOfTheStoredPixels) {
+  options_.images = folder_.path();
+  map_.line_descriptor = *DescriptorKindFromName("lbd");
+  const std::string exif("Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0", 28);
+  const std::string jpeg = "\xff\xd8\xff\xe1" + std::string("\0\x1e", 2) + exif +
+                           std::string("\xff\xc0\0\x08\x08\0\x30\0\x40\x01", 10);
+  folder_.Write("a", jpeg);
+  folder_.Write("b", "P5 64 48 255\n" + std::string(64 * 48, '\x80'));
+  EXPECT_TRUE(Open().Notes().empty());
+  folder_.Write("gravity.csv", "a,0,1,0\nb,0,1,0\n");
+  options_.gravity.csv = folder_.File("gravity.csv");
+  const RecordedRobot robot = Open();
+  ASSERT_EQ(robot.Notes().size(), 1u);
+  EXPECT_THAT(robot.Notes()[0], HasSubstr("1 of 2 photos have an EXIF orientation"));
+}
+
+// Photos that no query needs are not asked for.
+TEST_F(RecordedRobotTest, PhotosAreNotNeededWhereTheMapHasNoLinesAndTheDatabaseThePoints) {
+  options_.images = folder_.File("photos");
+  EXPECT_TRUE(Open().MakeQuery(0).ok());
+  map_.line_descriptor = *DescriptorKindFromName("binary32");
+  EXPECT_FALSE(RecordedRobot::Open(options_, map_).ok());
+}
+
+TEST_F(RecordedRobotTest, APhotoOfAnotherSizeIsNoticedByItsHeader) {
+  options_.database.clear();
+  options_.images = folder_.path();
+  map_.point_descriptor = *DescriptorKindFromName("orb");
+  const std::string png = std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x30\0\0\0\x40", 24);
+  folder_.Write("a", png);
+  folder_.Write("b", png);
+  EXPECT_THAT(RecordedRobot::Open(options_, map_).status().message(), HasSubstr("a: is 48x64"));
+}
+
+TEST_F(RecordedRobotTest, RefusesAMapWhoseKindNoDetectorMakes) {
+  options_.database.clear();
+  options_.images = folder_.path();
+  EXPECT_EQ(RecordedRobot::Open(options_, map_).status().reason(), "NO_DETECTOR");
+}
+
+TEST_F(RecordedRobotTest, TellsHowManyRowsOfGravityAreMissing) {
+  folder_.Write("gravity.csv", "b,0,9.81,0\n");
+  options_.gravity.csv = folder_.File("gravity.csv");
+  const Status status = RecordedRobot::Open(options_, map_).status();
+  EXPECT_EQ(status.reason(), "NO_GRAVITY");
+  EXPECT_THAT(status.message(), HasSubstr("1 of 2 images have no gravity in"));
+  EXPECT_THAT(status.message(), HasSubstr("gravity.csv: 'a'; add a row"));
+  folder_.Write("gravity.csv", "a,0,1,0\nb,0,9.81,0\n");
+  EXPECT_EQ(Open().MakeQuery(1)->gravity->direction_in_body, Eigen::Vector3d(0, 1, 0));
+}
+
+TEST_F(RecordedRobotTest, RefusesANameThatCannotBeSent) {
+  for (const std::string& name : {std::string("caf\xe9.jpg"), std::string(129, 'n')}) {
+    ColmapModel model = model_;
+    model.images.at(1).name = name;
+    const testing::TemporaryFolder folder;
+    ASSERT_TRUE(WriteColmapModel(folder.path(), model).ok());
+    options_.model_dir = folder.path();
+    EXPECT_THAT(RecordedRobot::Open(options_, map_).status().message(),
+                HasSubstr("name of image 1: is "));
+  }
+}
+
+TEST_F(RecordedRobotTest, SendsNoMorePointsThanAskedForAndSaysSo) {
+  EXPECT_TRUE(Open().Notes().empty());
+  options_.max_features = 1;
+  const RecordedRobot robot = Open();
+  EXPECT_EQ(robot.MakeQuery(0)->views[0].points.keypoints_px.size(), 1u);
+  ASSERT_EQ(robot.Notes().size(), 1u);
+  EXPECT_THAT(robot.Notes()[0], HasSubstr("2 of 2 images have more than 1 points"));
+  for (const int bad : {0, -1, 20001}) {
+    options_.max_features = bad;
+    EXPECT_THAT(RecordedRobot::Open(options_, map_).status().message(),
+                HasSubstr("--max-features"));
+  }
 }
 
 // Root-SIFT of plain SIFT x, turned back, is x at OpenCV's scale up to rounding.

@@ -1,0 +1,30 @@
+#include "client/cli/stop_signals.h"
+
+#include <atomic>
+#include <csignal>
+#include <initializer_list>
+
+namespace maploc {
+namespace {
+
+std::atomic<bool> stop_requested = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler sets it");
+
+void RequestStop(int) { stop_requested = true; }
+
+}  // namespace
+
+void CatchStopSignals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action {};
+    if (sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN) continue;
+    action = {};
+    action.sa_handler = RequestStop;
+    action.sa_flags = SA_RESETHAND | SA_RESTART;
+    sigaction(signal, &action, nullptr);
+  }
+}
+
+bool StopRequested() { return stop_requested; }
+
+}  // namespace maploc

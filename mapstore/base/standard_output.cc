@@ -1,0 +1,23 @@
+#include "mapstore/base/standard_output.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <iostream>
+
+namespace maploc {
+
+Status FlushStandardOutput() {
+  errno = 0;
+  std::cout.flush();
+  std::fflush(stdout);
+  if (std::cout.good() && std::ferror(stdout) == 0) return Status::Ok();
+  const std::string cause =
+      errno != 0 ? std::strerror(errno) : "the disk is full, or whoever read it has gone";
+  return Status(StatusCode::kDataLoss, "OUTPUT_LOST",
+                "standard output cannot be written: " + cause +
+                    "; what was to be printed is lost or cut short, what the command changed is "
+                    "done");
+}
+
+}  // namespace maploc
