@@ -186,6 +186,17 @@ struct Client::Impl {
     }
   }
 
+  Result<SessionSummary> EndSession(const SessionId& session, bool discard) const {
+    MAPLOC_RETURN_IF_ERROR(CheckName("session_id", session));
+    v1::EndSessionRequest request;
+    request.set_session_id(session);
+    request.set_discard(discard);
+    v1::EndSessionResponse response;
+    MAPLOC_RETURN_IF_ERROR(Call(*localization, &v1::LocalizationService::Stub::EndSession, request,
+                                &response, Repeat::kSafe));
+    return SessionSummaryFromProto(response, session);
+  }
+
   const std::string server;
   const ClientOptions options;
   const std::shared_ptr<grpc::Channel> channel;
@@ -282,14 +293,11 @@ Result<Localization> Client::Localize(const Query& query, bool include_matches) 
 }
 
 Result<SessionSummary> Client::EndSession(const SessionId& session) const {
-  MAPLOC_RETURN_IF_ERROR(CheckName("session_id", session));
-  v1::EndSessionRequest request;
-  request.set_session_id(session);
-  v1::EndSessionResponse response;
-  MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->localization,
-                                     &v1::LocalizationService::Stub::EndSession, request, &response,
-                                     Repeat::kSafe));
-  return SessionSummaryFromProto(response, session);
+  return impl_->EndSession(session, /*discard=*/false);
+}
+
+Result<SessionSummary> Client::DiscardSession(const SessionId& session) const {
+  return impl_->EndSession(session, /*discard=*/true);
 }
 
 }  // namespace maploc

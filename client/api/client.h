@@ -73,6 +73,8 @@ class Client {
   // With `include_matches` the answer holds matches and inliers.
   Result<Localization> Localize(const Query& query, bool include_matches = false) const;
   Result<SessionSummary> EndSession(const SessionId& session) const;
+  // Ends it so that none of its queries counts in the statistics.
+  Result<SessionSummary> DiscardSession(const SessionId& session) const;
 
  private:
   struct Impl;

@@ -91,10 +91,11 @@ void AddReplayCommand(CLI::App& app, CommandContext& context) {
   command->add_option("--robot", flags->robot, "the robot's name")->capture_default_str();
   command->add_option("--label", flags->labels, "KEY=VALUE, kept with the session; repeatable")
       ->check(LabelCheck());
-  command->add_flag("--keep-partial", flags->keep_partial,
-                    "of a session that fails or is interrupted, report what was answered, and keep "
-                    "it counted; else it is not reported, and the message says how to take it back "
-                    "(the exit code is 1 both ways)");
+  command->add_flag(
+      "--keep-partial", flags->keep_partial,
+      "of a session that fails or is interrupted, report what was answered, and count "
+      "it in the statistics; else it is neither reported nor counted (the exit code "
+      "is 1 both ways)");
 }
 
 }  // namespace maploc

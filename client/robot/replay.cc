@@ -96,11 +96,11 @@ Status Explain(const Status& failure, const ReplayReport& report, const Robot& r
   if (!ended.ok()) {
     text += " has " + answers + " and may be open still: `maploc end-session --session " + id +
             "` ends it, " + revoke + " takes it back";
-  } else if (ended->queries == 0) {
-    text += " was ended, and nothing was counted";
+  } else if (options.keep_partial) {
+    text += " was ended after " + answers + ", and its " + std::to_string(ended->queries) +
+            " queries count";
   } else {
-    text += " was ended after " + answers + ", and " + std::to_string(ended->queries) +
-            " queries count" + (options.keep_partial ? "" : " until " + revoke + " takes it back");
+    text += " was ended after " + answers + " and does not count";
   }
   return Status(failure.code(), failure.reason(), text);
 }
@@ -168,7 +168,9 @@ Result<ReplayReport> Replay(const Client& client, const std::string& map, const 
   MAPLOC_ASSIGN_OR_RETURN(report.session, client.StartSession(map, options.robot, options.labels));
   Runner runner(client, map, robot, options, report.session);
   report.failure = AskAll(runner, robot, options, observer, report);
-  const Result<SessionSummary> ended = client.EndSession(report.session);
+  const bool counts = report.failure.ok() || options.keep_partial;
+  const Result<SessionSummary> ended =
+      counts ? client.EndSession(report.session) : client.DiscardSession(report.session);
   if (ended.ok()) report.summary = *ended;
   if (report.failure.ok()) report.failure = ended.status();
   if (report.failure.ok()) return report;

@@ -30,7 +30,8 @@ struct ReplayOptions {
   double prior_sigma = 5.0;  // in the map's unit: how far a robot may come between two queries
   // Asked before each query; true ends the session early (CANCELLED). May be empty.
   std::function<bool()> stop;
-  // Of a session that ends early the report is returned all the same, with `failure`.
+  // A session that ends early counts, and its report is returned, with `failure`; else it is
+  // discarded.
   bool keep_partial = false;
 };
 
@@ -85,9 +86,8 @@ struct ReplayReport {
 // Called after each answer, in order.
 using ReplayObserver = std::function<void(const ReplayEntry&)>;
 
-// A fault (not: an answer without a pose, nor one that comes too late) ends the session and is
-// returned with the query's name, the session's id, and how to take back what was counted: the
-// service has no way to abandon a session.
+// A fault (not: an answer without a pose, nor one that comes too late) ends the session, takes its
+// queries out of the statistics, and is returned with the query's name and the session's id.
 Result<ReplayReport> Replay(const Client& client, const std::string& map, const Robot& robot,
                             const ReplayOptions& options, const ReplayObserver& observer);
 

@@ -74,6 +74,22 @@ TEST_F(SessionServiceTest, EachQueryCountsOnceInTheSegmentThatAnswered) {
   EXPECT_EQ(counted, expected);
 }
 
+TEST_F(SessionServiceTest, ADiscardedSessionDoesNotCountAndOneThatCountsIsNotDiscarded) {
+  const SessionId wrong = StartSession();
+  ASSERT_TRUE(client_->Localize(QueryAt(2.0, wrong)).ok());
+  ASSERT_TRUE(client_->DiscardSession(wrong).ok());
+  ASSERT_TRUE(client_->DiscardSession(wrong).ok());  // its answer may have been lost
+  EXPECT_TRUE(store_->GetSession(wrong)->revoked);
+  EXPECT_EQ(store_->GetSession(wrong)->end, SessionEnd::kByRobot);
+  EXPECT_EQ(CountedQueries(), 0);
+  const SessionId right = StartSession();
+  ASSERT_TRUE(client_->Localize(QueryAt(2.0, right)).ok());
+  ASSERT_TRUE(client_->EndSession(right).ok());
+  EXPECT_EQ(client_->DiscardSession(right).status().reason(), "SESSION_CLOSED");
+  EXPECT_EQ(CountedQueries(), 1);
+  EXPECT_EQ(client_->DiscardSession("nobody").status().code(), StatusCode::kNotFound);
+}
+
 TEST_F(SessionServiceTest, ARepeatedEndAnswersTheSameAndChangesNothing) {
   const SessionId session = StartSession();
   const SegmentId segment = client_->Localize(QueryAt(2.0, session))->segment;

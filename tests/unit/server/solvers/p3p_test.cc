@@ -153,7 +153,8 @@ TEST(P3p, NoRotationIsSpecial) {
 }
 
 // On a floor or a ceiling, where the danger cylinder stands upright around the camera: the pose's
-// condition number is above 5e4 in one of a thousand.
+// condition number is above 5e4 in one of a thousand. Three points nearly on one line (1e-4, two
+// draws of a thousand) leave a turn about it open, at any height, and are left out.
 TEST(P3p, PointsOfEqualHeight) {
   Random random = TestRandom();
   Errors errors;
@@ -165,8 +166,10 @@ TEST(P3p, PointsOfEqualHeight) {
       triple.points[k] = {random.Uniform(-4, 4), random.Uniform(-4, 4), height};
       triple.rays[k] = scene.RayTo(triple.points[k]);
     }
+    if (P3pConditioning(triple.rays, triple.points) < 1e-4) continue;
     errors.Add(SolvedError(triple, scene.camera_from_map));
   }
+  EXPECT_GT(errors.rotation_rad.size(), 19800u);
   ExpectRecovered(errors, {.percent99_rad = 1e-11});
 }
 
