@@ -40,7 +40,7 @@ struct RobotComparisonOptions {
   std::int64_t min_queries = 3;
   // Sessions of other robots that a session is compared with, in each segment: the nearest in time.
   std::int64_t max_references = 10;
-  // Differences below these are nobody's concern, however certain.
+  // Smaller differences are ignored, however certain.
   double min_gravity_rad = 0.0175;  // 1 degree
   double min_ratio = 0.1;
   double min_success = 0.2;
