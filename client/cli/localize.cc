@@ -173,7 +173,7 @@ void AddLocalizeCommand(CLI::App& app, CommandContext& context) {
   auto flags = std::make_shared<LocalizeFlags>();
   CLI::App* command = AddCommand(
       app, context, "localize",
-      "Localize one photo in a map; tells its pose, its evidence, and whether the matches "
+      "Localize one photo in a map; reports its pose, its evidence, and whether the matches "
       "agree with the gravity and the focal length that were sent",
       kExample, [&context, flags] { return Run(context, *flags); });
   AddServerFlag(*command, context)->required();

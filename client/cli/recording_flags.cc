@@ -15,8 +15,8 @@ void AddRecordingFlags(CLI::App& command, RecordingOptions& options) {
                          "measured gravity, name,gx,gy,gz: down, camera frame, unit or in m/s^2");
   command
       .add_option("--gravity-noise-deg", options.gravity.noise_deg,
-                  "gravity from the reference as the map has it (so that a map that leans goes "
-                  "unnoticed), turned by N(0, S) about the two horizontal axes")
+                  "gravity from the reference as the map has it (a wrong gravity of the map is "
+                  "therefore not noticed), rotated by N(0, S) about the two horizontal axes")
       ->excludes(csv);
   command.add_option("--gravity-sigma-deg", options.gravity.sigma_deg,
                      "standard deviation that is sent, above 0 and at most 90 (default: the "
@@ -37,8 +37,8 @@ void AddMethodFlags(CLI::App& command, MethodFlags& flags) {
       ->capture_default_str();
   command
       .add_option("--max-error", flags.max_error_px,
-                  "pixels of the photo within which a feature agrees with a pose (default: the "
-                  "server's, by the photo's size)")
+                  "inlier threshold in pixels of the photo (default: the server's, by the photo's "
+                  "size)")
       ->check(CLI::Range(0.1, 1000.0));
 }
 

@@ -79,7 +79,7 @@ void AddReplayCommand(CLI::App& app, CommandContext& context) {
   CLI::App* command = AddCommand(
       app, context, "replay",
       "A recorded session: one query a posed image, compared with its reference pose; --json "
-      "tells each error beside its sigma",
+      "reports each error beside its sigma",
       kExample, [&context, flags] { return Run(context, *flags); });
   AddServerFlag(*command, context)->required();
   command->add_option("--map", flags->map, "the map's name")->required();

@@ -23,7 +23,7 @@ struct LineDetectionOptions {
 Result<PointFeatures> DetectPoints(const GrayImage& image, const DescriptorKind& kind,
                                    const PointDetectionOptions& options = {});
 
-// LSD (or EDLines) segments with LBD descriptors (kind "lbd"). Longest first.
+// LSD segments with LBD descriptors (kind "lbd"). Longest first.
 Result<LineFeatures> DetectLines(const GrayImage& image, const LineDetectionOptions& options = {});
 
 }  // namespace maploc

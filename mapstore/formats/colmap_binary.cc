@@ -31,7 +31,7 @@ Status ReadCamera(ByteReader& reader, ColmapModel& model) {
                            "'number " + std::to_string(model_id) +
                                "' is unknown, and so is how many parameters to skip; is the file "
                                "damaged, or newer than COLMAP 4? `colmap model_converter "
-                               "--output_type TXT` writes one that tells");
+                               "--output_type TXT` writes a text model that names it");
   }
   MAPLOC_ASSIGN_OR_RETURN(const auto width, reader.Read<std::uint64_t>("camera width"));
   MAPLOC_ASSIGN_OR_RETURN(const auto height, reader.Read<std::uint64_t>("camera height"));

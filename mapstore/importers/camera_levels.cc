@@ -180,8 +180,8 @@ std::string DescribeHolding(std::span<const Eigen::Quaterniond> camera_from_sour
   const bool x_parallel = AreParallel(axes.x);
   const bool z_parallel = AreParallel(axes.z);
   if (z_parallel && (x_parallel || levels.AgreeOnSign())) {
-    return "all photos look the same way, so that their levels do not tell its tilt towards the "
-           "scene";
+    return "all photos look in the same direction, so their levels do not determine the tilt in "
+           "that direction";
   }
   if (z_parallel) return "the photos look straight down or up (a nadir flight?)";
   if (x_parallel) {

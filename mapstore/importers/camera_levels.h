@@ -1,13 +1,14 @@
-// What the way cameras are held says about gravity.
+// Gravity from the way cameras are held.
 //
-// A camera held upright has its x axis level: x . g = sin(b + e), where e is how far the photo is
-// off level and b what all photos share (a mount that leans, a hand's habit). Fitted robustly for g
-// and b. Photos that look around tell b from a leaning g; photos that all look one way do not, and
-// say nothing about g's tilt towards the scene: the covariance has it so. A habit, people look
-// about level, bounds what is left open to some tens of degrees.
+// A camera held upright has a level x axis: x . g = sin(b + e). Here e is how far the photo is off
+// level, and b is common to all photos (a tilted mount, a person's habit). g and b are fitted
+// robustly. Photos in many directions separate b from an error of g. Photos in one direction do
+// not: they do not determine g's tilt in that direction, and the covariance says so. The habit of
+// holding a camera about level bounds this tilt to some tens of degrees.
 //
-// The sign is that of the y axes. It is a habit too, and cannot be told from poses alone: photos
-// taken upside down look the same. Who needs the sign asks the photos (up_evidence.h).
+// The sign comes from the y axes. It is a habit too: camera poses alone cannot prove it, because
+// photos taken upside down have the same poses in a scene turned over. Evidence of the sign comes
+// from the photos themselves (up_evidence.h).
 #pragma once
 
 #include <span>
@@ -19,15 +20,15 @@
 
 namespace maploc {
 
-// Fewer photos prove no habit.
+// With fewer photos no habit can be assumed.
 inline constexpr int kMinLevelPhotos = 5;
 
 struct CameraLevels {
   DirectionFit down_in_source;
   double upright_share = 0.0;  // of the photos whose y axis points down within 70 degrees
-  // The x axes differ, so that photos held level are told from photos all held on their side.
+  // The x axes differ, which distinguishes photos held level from photos all held on their side.
   bool looks_around = false;
-  // The y axes agree that the photos are upright, but for a few.
+  // The y axes of all photos but a few agree that they are upright.
   bool AgreeOnSign() const { return upright_share >= 0.9; }
 };
 

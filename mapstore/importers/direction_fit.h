@@ -1,5 +1,5 @@
-// A direction that was measured, with what it leaves open: gravity's evidence comes from several
-// hands, and each is told, compared and combined in this one shape.
+// A measured direction with its uncertainty. All sources of gravity evidence use this one type, so
+// that they can be reported, compared and combined.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,7 @@ double Interval95Rad(const DirectionFit& fit);
 // degrees of freedom where both are sound. REQUIRES: less than a right angle apart.
 double Distance2(const DirectionFit& a, const DirectionFit& b);
 
-// Both together, each weighted by what it knows. REQUIRES: less than a right angle apart.
+// Both combined, each weighted by its information. REQUIRES: less than a right angle apart.
 DirectionFit Combine(const DirectionFit& a, const DirectionFit& b);
 
 // What a covariance estimated from few residuals has to be multiplied by, so that 95% are 95%: the

@@ -140,7 +140,7 @@ std::string DescribeTruncated(const std::set<std::string>& names, std::size_t ph
     text += (named++ == 0 ? "" : ", ") + name;
   }
   if (names.size() > named) text += " and " + std::to_string(names.size() - named) + " more";
-  return text + "; copy them again and import anew";
+  return text + "; copy them again and repeat the import";
 }
 
 }  // namespace maploc

@@ -39,7 +39,9 @@ std::string DoubtTilt(const GravityEvidence& evidence, const CameraLevels& level
                       const PhotoGravity& gravity) {
   std::string doubt = DescribeHolding(evidence.camera_from_source, levels) +
                       "; it is known to within " + Degrees(Interval95Rad(gravity.fit)) + " only";
-  if (evidence.lines.empty()) doubt += " (vertical edges can tell: give the photos, --images)";
+  if (evidence.lines.empty()) {
+    doubt += " (pass the photos with --images, so that vertical edges can be used)";
+  }
   return doubt;
 }
 
@@ -53,9 +55,10 @@ std::string DoubtSign(UpEvidence up, bool has_photos) {
     case UpEvidence::kNone:
       break;
   }
-  return has_photos ? "no bright sky or light shows which way up the photos were taken"
-                    : "poses alone cannot tell photos from photos taken upside down (the photos' "
-                      "bright side can: give them, --images)";
+  return has_photos
+             ? "no bright sky or light shows which way up the photos were taken"
+             : "camera poses alone cannot show whether all photos were upside down; pass the "
+               "photos with --images";
 }
 
 }  // namespace

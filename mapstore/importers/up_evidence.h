@@ -1,6 +1,6 @@
 // Which way up photos were taken, from what they show: outdoors the sky is the bright side, indoors
-// the light comes from above. Poses cannot tell: photos all taken upside down, or all on their
-// side, have the same poses in a scene turned over.
+// the light comes from above. Poses alone cannot show it: if all photos were taken upside down, or
+// all on their side, their poses are the same as upright ones in a scene turned over.
 #pragma once
 
 #include <span>

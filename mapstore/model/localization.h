@@ -53,7 +53,7 @@ struct Evidence {
   FeatureCounts points;
   FeatureCounts usable_lines;            // tilt of 10 degrees or more
   FeatureCounts vertical_lines;          // the others
-  Strategy strategy = Strategy::kMixed;  // that found the pose, or the likeliest of what was none
+  Strategy strategy = Strategy::kMixed;  // that found the pose; without a pose the most promising
   bool fell_back = false;                // `strategy` is not the one that was chosen at first
   std::int32_t iterations = 0;           // evaluated hypotheses, over all strategies tried
   // Between the measured gravity and that of the pose as the matches alone give it (a pose that was

@@ -1,5 +1,5 @@
-// One localization query, as it stands behind the door: proto/convert has checked every invariant
-// named here, and nobody checks again.
+// A validated localization query: proto/convert has checked every invariant named here, and later
+// stages do not check again.
 #pragma once
 
 #include <cstdint>

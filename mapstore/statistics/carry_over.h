@@ -41,11 +41,11 @@ SegmentLandmarks LandmarksOf(const Segment& segment, const Similarity3& new_map_
 // pixels at a focal length of 500, whatever the map's unit. 0 without landmarks or path.
 double SharedLandmarkTolerance(std::span<const Segment> segments);
 
-// A segment's weights sum to the share of its landmarks that live on, at most 1. A landmark counts
-// in one new segment alone: of those that hold it, in the one that shares most landmarks with the
-// old segment; between equals in the smallest, then in the one with the old segment's id, then in
-// the lowest id. So an identical map inherits by weights of exactly 1, however often, and what a
-// segment knows does not spread to its neighbours. Ascending by (from, to).
+// A segment's weights sum to the share of its landmarks that still exist, at most 1. A landmark
+// counts in only one of the new segments that hold it: the one that shares most landmarks with the
+// old segment; between equals the smallest, then the one with the old segment's id, then the lowest
+// id. So an identical map always inherits with weights of exactly 1, and a segment's statistics do
+// not spread to its neighbours. Ascending by (from, to).
 std::vector<CarriedShare> CarryOver(std::span<const SegmentLandmarks> old_segments,
                                     std::span<const SegmentLandmarks> new_segments,
                                     double tolerance);

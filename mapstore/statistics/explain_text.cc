@@ -44,12 +44,12 @@ void WriteChoice(std::ostream& out, const Explanation& e) {
               : "the least expected time")
       << ": " << Name(e.best);
   if (!e.has_evidence) {
-    out << "; not followed before " << e.options.min_localized_queries
-        << " localized queries by weight, and one query in ten ("
-        << FixedText(e.statistics.weighted_localized, 1) << ")";
+    out << "; used only from " << e.options.min_localized_queries
+        << " weighted localized queries on (now " << FixedText(e.statistics.weighted_localized, 1)
+        << "), and if one query in ten is localized";
   } else if (e.gain_of_best > 0.0) {
     out << ", " << FixedText(100.0 * e.gain_of_best, 1)
-        << "% faster than the one kept; a change takes "
+        << "% faster than the one kept; a change requires "
         << FixedText(100.0 * e.options.hysteresis, 0) << "%";
   }
   out << "\n";

@@ -1,5 +1,6 @@
-// Does the map lean? One robot's gravity that disagrees with the map is that robot's mounting; the
-// gravity of all robots that disagrees the same way is the map's. Pure functions.
+// Is the map's gravity wrong? If one robot's gravity disagrees with the map, that robot's mounting
+// is wrong. If the gravity of all robots disagrees in the same direction, the map's is. Pure
+// functions.
 #pragma once
 
 #include <cstdint>
@@ -22,12 +23,12 @@ struct RobotTilts {
 struct LeanOptions {
   // Fewer queries of a robot do not count: one pose may be wrong.
   std::int64_t min_queries = 5;
-  // One robot may be mounted askew; from this many on they agree or they do not.
+  // A single robot may be mounted askew, so this many robots are needed.
   std::int64_t min_robots = 2;
-  // Robots are mounted askew by so much, each its own way (one standard deviation): what the
-  // scatter of few robots is not believed to be below.
+  // Standard deviation of the robots' independent mounting errors. The scatter of few robots is not
+  // taken to be below it.
   double robot_sigma_rad = 0.0087;  // 0.5 degrees
-  // A smaller lean is nobody's concern, however certain.
+  // A smaller lean is ignored, however certain.
   double min_lean_rad = 0.0175;  // 1 degree
 };
 
@@ -38,17 +39,17 @@ struct Lean {
   double interval_rad = 0.0;
   std::int64_t robots = 0;   // that have enough queries
   std::int64_t queries = 0;  // theirs
-  // Enough robots; the lean is of concern, is outside 1.75 of its intervals, and every robot's tilt
-  // is nearer to the mean than to none.
+  // Enough robots; the lean is at least min_lean_rad, it is outside 1.75 of its intervals, and
+  // every robot's tilt is closer to the mean than to zero.
   bool leans = false;
 };
 
-// A robot's queries share its mounting's error, so that robots are what is counted; a robot has one
-// voice, however much it drove.
+// A robot's queries share its mounting error. Robots are therefore counted, not queries: each robot
+// has the same weight, however many queries it sent.
 Lean FindLean(std::span<const RobotTilts> robots, const LeanOptions& options = {});
 
-// Down in the map's frame as the robots have it: the map's gravity, turned by the tilt. What
-// `maploc-map level --gravity` takes.
+// Down in the map's frame according to the robots: the map's gravity, rotated by the tilt. The
+// argument of `maploc-map level --gravity`.
 Eigen::Vector3d GravityOfLean(const Eigen::Vector2d& tilt_rad);
 
 }  // namespace maploc

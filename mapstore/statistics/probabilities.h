@@ -52,7 +52,7 @@ struct SampleYield {
   bool operator==(const SampleYield&) const = default;
 };
 
-// Measured with the sampler in the estimator's test scenes (README).
+// Measured with the sampler in the estimator's test scenes (MEASUREMENTS.md).
 struct SampleYields {
   SampleYield two_points = {0.75, 0.4};
   SampleYield point_and_line = {0.75, 0.45};

@@ -1,5 +1,5 @@
-// Is it the robot or is it the map? Each robot beside the others that drove through the same
-// segments at about the same time. Pure functions.
+// Separates faults of a robot from changes of the map: each robot is compared with the others that
+// drove through the same segments at about the same time. Pure functions.
 #pragma once
 
 #include <array>
@@ -40,7 +40,7 @@ struct RobotComparisonOptions {
   std::int64_t min_queries = 3;
   // Sessions of other robots that a session is compared with, in each segment: the nearest in time.
   std::int64_t max_references = 10;
-  // Differences below these are nobody's concern, however certain.
+  // Smaller differences are ignored, however certain.
   double min_gravity_rad = 0.0175;  // 1 degree
   double min_ratio = 0.1;
   double min_success = 0.2;
@@ -84,12 +84,12 @@ struct FleetComparison {
   std::vector<SessionComparison> sessions;  // in the order given
 };
 
-// In each segment a session's value is set against the median of the nearest sessions of other
-// robots: where the map decays, it decays for them all. The median of these differences over its
-// segments is the session's difference (one bad segment moves no session), the median over its
-// sessions the robot's. Their scatter is robust too: 1.4826 times the median absolute deviation of
-// sessions from their robot's median, judged by Student's t, and never below a floor of a quarter
-// of what is of concern. Needs two robots with a segment in common; with two alone the worse one is
+// In each segment a session's value is compared with the median of the nearest sessions of other
+// robots, because a changed map affects all robots. A session's difference is the median over its
+// segments (so one bad segment has no effect); a robot's difference is the median over its
+// sessions. Their scatter is robust too: 1.4826 times the median absolute deviation of sessions
+// from their robot's median. It is judged by Student's t, with a floor of a quarter of the smallest
+// relevant difference. Needs two robots with a segment in common; with only two the worse one is
 // flagged.
 FleetComparison CompareRobots(std::span<const RobotSession> sessions,
                               const RobotComparisonOptions& options = {});

@@ -44,7 +44,7 @@ std::string HeldBackText(Strategy current, const StrategyPrediction& prediction,
   const Strategy best = RankStrategies(prediction, options).front();
   if (best == current) return "";
   return std::string("; ") + std::string(StrategyName(best)) + " is not better by the " +
-         FixedText(100.0 * options.hysteresis, 0) + "% that a change takes";
+         FixedText(100.0 * options.hysteresis, 0) + "% that a change requires";
 }
 
 std::string ReasonText(Strategy before, Strategy current, const StrategyPrediction& prediction,

@@ -28,7 +28,7 @@ struct SelectorOptions {
   std::int64_t max_iterations = 10000;  // of a query, then it fails; positive
   SampleYields yields;
   // Nanoseconds of one iteration (draw, solve, score) of each strategy; relative figures suffice.
-  // Measured (README): the same but for mixed, whose branches are foreseen less well.
+  // Measured (MEASUREMENTS.md): equal except for mixed, whose branches are predicted less well.
   double cost_1p1l = 1.0;
   double cost_2p = 1.0;
   double cost_mixed = 1.04;

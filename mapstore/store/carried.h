@@ -33,17 +33,17 @@ struct TrueRow {
 // A segment's places alone: enough for finding landmarks again.
 Segment WithoutDescriptors(const Segment& segment);
 
-// What `fresh` inherits from the version before it, and through that from older ones: `older` is
-// what that version (named `predecessor`) has itself inherited. Over its heirs, the weights of an
-// older segment sum to the share of its landmarks that live on. Ascending by (to, source, from).
+// What `fresh` inherits from the version before it (named `predecessor`), and through that version
+// from older ones: `older` is what that version has itself inherited. Over its heirs, the weights
+// of an older segment sum to the share of its landmarks that still exist. Ascending by (to, source,
+// from).
 std::vector<Inheritance> InheritFrom(std::int64_t predecessor, const MapInfo& old_info,
                                      std::span<const Segment> old_segments,
                                      std::span<const Inheritance> older, const MapInfo& fresh_info,
                                      std::span<const Segment> fresh_segments);
 
-// Of `all` that a version inherits the shares of the older segments that `segment` inherits from,
-// its fellow heirs' too: what one gets of a count depends on what the others get. In the same
-// order.
+// The entries of `all` for the older segments that `segment` inherits from. Entries of other heirs
+// are included, because a count is shared out among all heirs. The order is that of `all`.
 std::vector<Inheritance> SharesBehind(SegmentId segment, std::span<const Inheritance> all);
 
 // The rows of one segment, in folding order: its own, and what `inheritance` (SharesBehind it)

@@ -107,7 +107,7 @@ Result<Descriptors> DecodeDescriptors(const FeatureBlobs& blobs, const Descripto
     MAPLOC_RETURN_IF_ERROR(CheckLength(field, blobs.descriptors.size(), blobs.descriptor_count,
                                        static_cast<std::size_t>(kind.bytes)));
   } else if (!blobs.descriptors.empty() || blobs.descriptor_count != 0) {
-    return Damaged(field, "the map has no such descriptors");
+    return Damaged(field, "the map has no descriptors of this kind");
   }
   return Descriptors{kind, blobs.descriptors};
 }

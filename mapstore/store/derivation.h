@@ -35,14 +35,14 @@ struct SegmentDerivation {
   bool operator==(const SegmentDerivation&) const = default;
 };
 
-// An operator's word about a segment.
+// An operator's decision about a segment's strategy.
 struct Pin {
   std::int64_t time_unix_ns = 0;
   std::optional<Strategy> strategy;  // nullopt: given back to the selector
 };
 
-// All that is true of a segment. Everything that a store tells of it is a function of this value,
-// so that neither the order in which sessions ended nor one that was revoked leaves a trace.
+// The source data of a segment. Everything that a store reports about the segment is a function of
+// this value. So neither the order in which sessions ended nor a revoked session has an effect.
 struct SegmentTruth {
   std::vector<SegmentSessionRow> rows;     // of unrevoked sessions, in folding order
   std::vector<std::int64_t> ends_unix_ns;  // of their sessions, one a row
@@ -59,12 +59,12 @@ struct SegmentState {
   bool operator==(const SegmentState&) const = default;
 };
 
-// A pin overrules the selector, whose choice its reason tells.
+// A pin overrides the selector; its reason then names the selector's choice.
 SegmentState DeriveState(const SegmentTruth& truth);
 
-// The history that this truth would have had, had every session ended in the order of their starts:
-// one decision a row and one a pin, which comes after the sessions that started before it. The last
-// one is in force.
+// The history of decisions as if every session had ended in the order of their starts: one decision
+// per row and one per pin. A pin comes after the sessions that started before it. The last decision
+// is in force.
 std::vector<DecisionRecord> ReplayHistory(const SegmentTruth& truth);
 
 // A hash of what the derivation makes of rows that never change, own and inherited ones. A store

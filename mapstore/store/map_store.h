@@ -61,7 +61,7 @@ struct SessionObservations {
   std::vector<Observation> observations;
 };
 
-// An import in progress, invisible to readers until Commit. Destroyed without it, nothing remains.
+// An import in progress, invisible to readers until Commit. Without Commit nothing remains of it.
 // Must not outlive its store. Not thread-safe.
 class MapWriter {
  public:
@@ -93,7 +93,7 @@ class MapStore {
 
   // Starts an import of a new version of info.key.name (info.key.version is ignored).
   virtual Result<std::unique_ptr<MapWriter>> BeginImport(const MapInfo& info) = 0;
-  // Deletes what dead imports left behind (not those of a living process).
+  // Deletes what is left of imports whose process has ended.
   virtual Status SweepAbandonedImports() = 0;
 
   // REQUIRES: session.end == kOpen. ALREADY_EXISTS for a known id.
@@ -103,7 +103,7 @@ class MapStore {
   virtual Result<std::vector<Session>> ListSessions() const = 0;
   // To several sessions in ONE transaction, so that they share a sync of the disk. Idempotent by
   // (session, sequence). Segments must exist (or be -1). Sessions that have ended are left out, and
-  // returned; any other error of one is everybody's.
+  // returned; any other error fails the whole group.
   virtual Result<std::vector<SessionId>> AppendGroup(
       std::span<const SessionObservations> group) = 0;
   // All that was appended, ascending by sequence, but Evidence::focal_scale, which is not kept.
@@ -120,7 +120,7 @@ class MapStore {
   // summary stay. Pins stay. An open session goes on and will not count when it ends. Repeated:
   // nothing changes.
   virtual Status RevokeSession(const SessionId& id) = 0;
-  // Takes a revoke back: all is as if it had never been revoked.
+  // Undoes a revoke completely.
   virtual Status ReinstateSession(const SessionId& id) = 0;
   // A segment's unrevoked rows in folding order (start, session).
   virtual Result<std::vector<SegmentSessionRow>> ListRows(const MapKey& key,
@@ -137,8 +137,8 @@ class MapStore {
   // Rises with every committed change that a cache of maps or strategies must see, also by other
   // processes. Cheap.
   virtual Result<std::int64_t> ChangeCounter() const = 0;
-  // UNAVAILABLE (STORE_REPLACED) where what is kept is no longer what was opened: somebody replaced
-  // or deleted it. Every read and write says the same from then on. Cheap.
+  // UNAVAILABLE (STORE_REPLACED) if the store that was opened has been replaced or deleted. Every
+  // read and write then fails in the same way. Cheap.
   virtual Status CheckIdentity() const = 0;
   // What would change anything is FAILED_PRECONDITION (STORE_READ_ONLY).
   virtual bool read_only() const { return false; }

@@ -63,7 +63,7 @@ Result<std::unique_ptr<SqliteIdentity>> SqliteIdentity::Of(SqliteDatabase& datab
   struct stat real {};
   const bool same = stat(file, &real) == 0 && IsSameFile(real, now);
   if (!same || HasMoved(database)) {
-    return identity->Fail(State::kMoved, "was replaced while it was opened", "open it anew");
+    return identity->Fail(State::kMoved, "was replaced by another file", "open it again");
   }
   identity->Keep(now, identity->StampNow());
   return identity;
@@ -71,9 +71,10 @@ Result<std::unique_ptr<SqliteIdentity>> SqliteIdentity::Of(SqliteDatabase& datab
 
 Status SqliteIdentity::Fail(State state, const std::string& what, const std::string& cure) {
   state_ = state;
-  failed_ = Status(StatusCode::kUnavailable, "STORE_REPLACED",
-                   path_ + ": the store " + what +
-                       " under the running program, which takes nothing more; " + cure);
+  failed_ =
+      Status(StatusCode::kUnavailable, "STORE_REPLACED",
+             path_ + ": the store " + what +
+                 " while this program had it open; all further requests are rejected; " + cure);
   return failed_;
 }
 

@@ -1,6 +1,6 @@
-// Whether a store's path still names the files that its connections have open. A store that was
-// moved away, deleted or overwritten under a running program would take what is written to it
-// along.
+// Whether a store's path still names the files that its connections have open. If the store was
+// moved away, deleted or overwritten while a program has it open, everything that the program
+// writes would be lost with the old file.
 //
 // Thread-safe.
 #pragma once
@@ -27,8 +27,8 @@ class SqliteIdentity {
   static Result<std::unique_ptr<SqliteIdentity>> Of(SqliteDatabase& database);
 
   // UNAVAILABLE (STORE_REPLACED), with cause and cure, where the path or its log's path names
-  // another file or none. Once it was so it stays so: the program has to open the store anew.
-  // A few microseconds.
+  // another file or none. The failure is permanent: the program has to open the store again. Takes
+  // a few microseconds.
   Status CheckPaths();
   // The same, and whether another program has written over the file. REQUIRES: `database` is in a
   // transaction. Reads the file anew where it has changed since the last look, which is rare: with

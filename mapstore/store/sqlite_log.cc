@@ -109,8 +109,8 @@ Status CheckLog(const std::string& path) {
   }
   return FailedPrecondition(
       "FOREIGN_LOG",
-      path + ": was replaced while its log was not empty, and " + log_path +
-          " belongs to the file before; stop what uses the store and put the file there anew with "
+      path + ": the store file was replaced while its write-ahead log was not empty; " + log_path +
+          " belongs to the previous file; stop all programs that use the store and run "
           "`maploc-map restore --store " +
           path + " --from COPY`");
 }

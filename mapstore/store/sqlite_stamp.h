@@ -1,7 +1,7 @@
 // A store's stamp: the row `commit_stamp` of `meta`. It starts as a random number and rises by one
 // with every write transaction, so it names a state of one store's history: two files whose stamps
-// are near each other are the same store at two moments, all others are strangers. Because every
-// transaction writes it, it also stands in every write-ahead log that is not empty.
+// are near each other are the same store at two moments, all others are unrelated files. Because
+// every transaction writes it, it also stands in every write-ahead log that is not empty.
 #pragma once
 
 #include <cstdint>

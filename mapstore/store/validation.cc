@@ -12,7 +12,7 @@ namespace {
 Status ValidateKind(const DescriptorKind& kind, std::string_view field) {
   if (kind.name.empty()) {
     if (kind.bytes == 0) return Status::Ok();
-    return InvalidArgument(field, "a kind without a name has no bytes");
+    return InvalidArgument(field, "a descriptor kind without a name must have 0 bytes");
   }
   if (kind.bytes < 1 || kind.bytes > kMaxDescriptorBytes) {
     return InvalidArgument(field, "its bytes must be in 1 to " +
@@ -96,7 +96,7 @@ Status ValidateNextSegment(const MapInfo& info, const Segment& segment, SegmentI
 
 Status ValidateSessionEnd(SessionEnd end) {
   if (end != SessionEnd::kOpen) return Status::Ok();
-  return InvalidArgument("end", "a session ends by somebody");
+  return InvalidArgument("end", "the reason of a session's end must be given (robot or idle)");
 }
 
 Status ValidatePin(const std::optional<Strategy>& pinned) {

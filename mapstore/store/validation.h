@@ -19,7 +19,7 @@ Status ValidateNewSession(const Session& session);
 Status ValidateObservation(const Observation& observation);
 // ValidateSegment, the path's numbers, and that its id is the one that comes next.
 Status ValidateNextSegment(const MapInfo& info, const Segment& segment, SegmentId next);
-// A session ends by somebody. (It may end before it started: a clock can be set back.)
+// The reason of the end is given. (A session may end before it started: a clock can be set back.)
 Status ValidateSessionEnd(SessionEnd end);
 // A pin is one of the selector's strategies.
 Status ValidatePin(const std::optional<Strategy>& pinned);

@@ -40,7 +40,7 @@ void PrintDeclines(const std::vector<Decline>& declines) {
     std::cout << "\nNo segment has become worse.\n";
     return;
   }
-  std::cout << "\nWhere the map is dying, the worst first:\n";
+  std::cout << "\nSegments that got worse, worst first:\n";
   Table table({"segment", "what fell", "from", "to", "since", "session", "sessions since"});
   for (const Decline& decline : declines) {
     const ChangePoint& change = decline.change;

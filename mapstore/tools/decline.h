@@ -1,4 +1,4 @@
-// Where the map is dying: segments whose share of localized queries, or whose inlier ratios, fell.
+// Segments that got worse: those whose share of localized queries, or whose inlier ratios, fell.
 #pragma once
 
 #include <vector>

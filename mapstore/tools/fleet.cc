@@ -66,7 +66,7 @@ std::string DescribeCalibration(const RobotComparison& robot) {
          std::to_string(robot.queries) +
          " queries contradict the camera calibration that it sends: focal length or distortion are "
          "another camera's, or of pictures before they were resized or cropped, or focus or zoom "
-         "moved since; calibrate its camera anew, with the pictures that it sends";
+         "moved since; calibrate the camera again, with pictures as they are sent";
 }
 
 std::string DescribeGravity(const RobotComparison& robot) {

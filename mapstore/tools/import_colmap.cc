@@ -166,7 +166,7 @@ void AddSourceFlags(CLI::App& command, Flags& flags) {
       ->check(CheckDescriptorKind)
       ->type_name("KIND");
   command.add_flag("--triangulate", flags.options.triangulate,
-                   "Triangulate points anew from the photos");
+                   "Triangulate the points again from the photos");
 }
 
 void AddMapFlags(CLI::App& command, Flags& flags) {

@@ -30,15 +30,15 @@ std::map<MapKey, std::map<std::string, RobotTilts>> CollectTilts(
 std::string Describe(const MapKey& map, const Lean& lean) {
   const Eigen::Vector3d down = GravityOfLean(lean.tilt_rad);
   char text[320];
-  std::snprintf(text, sizeof(text),
-                "version %lld leans by %.1f degrees (95%% interval %.1f): the gravity of all %lld "
-                "robots, in %lld queries, says so; level it: maploc-map level --map %s --gravity "
-                "%.5f,%.5f,%.5f",
-                static_cast<long long>(map.version), lean.tilt_rad.norm() * kDegrees,
-                lean.interval_rad * kDegrees, static_cast<long long>(lean.robots),
-                static_cast<long long>(lean.queries), map.name.c_str(), down.x(), down.y(),
-                down.z());
-  return "map " + map.name + " " + text;
+  std::snprintf(
+      text, sizeof(text),
+      "gravity of version %lld is off by %.1f degrees (95%% interval %.1f) according to all "
+      "%lld robots in %lld queries; correct it: maploc-map level --map %s --gravity "
+      "%.5f,%.5f,%.5f",
+      static_cast<long long>(map.version), lean.tilt_rad.norm() * kDegrees,
+      lean.interval_rad * kDegrees, static_cast<long long>(lean.robots),
+      static_cast<long long>(lean.queries), map.name.c_str(), down.x(), down.y(), down.z());
+  return "map " + map.name + ": " + text;
 }
 
 }  // namespace

@@ -93,7 +93,8 @@ Status Level(const CommandContext& context, const LevelFlags& flags) {
 void AddLevelCommand(CLI::App& app, CommandContext& context) {
   auto flags = std::make_shared<LevelFlags>();
   CLI::App* command = AddCommand(
-      app, context, "level", "Turns a map that leans: a new version, whose gravity is (0, 0, -1)",
+      app, context, "level",
+      "Corrects a map's gravity: makes a new version in which it is (0, 0, -1)",
       "maploc-map level --store campus.db --map yard --gravity 0.02,0,-1\n"
       "The new version inherits what sessions taught. Where gravity is (0, 0, -1) already, "
       "nothing is changed.",

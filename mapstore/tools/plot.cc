@@ -74,7 +74,7 @@ void AddPlotCommand(CLI::App& app, CommandContext& context) {
   const std::map<std::string, PlotColour> names = {{"strategy", PlotColour::kStrategy},
                                                    {"inlier-ratio", PlotColour::kInlierRatio},
                                                    {"change", PlotColour::kChange}};
-  command->add_option("--colour", flags->colour, "What colours tell; the first is the default")
+  command->add_option("--colour", flags->colour, "What the colours show; the first is the default")
       ->transform(CLI::CheckedTransformer(names))
       ->type_name("strategy|inlier-ratio|change");
 }

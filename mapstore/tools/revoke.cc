@@ -87,11 +87,10 @@ Status Revoke(const CommandContext& context, const RevokeFlags& flags) {
 
 void AddRevokeCommand(CLI::App& app, CommandContext& context) {
   auto flags = std::make_shared<RevokeFlags>();
-  CLI::App* command =
-      AddCommand(app, context, "revoke", "Takes a session out: all is as if it had never been",
-                 "maploc-map revoke --store campus.db --session 3f9c\n"
-                 "A running server follows within a second.",
-                 [&context, flags] { return Revoke(context, *flags); });
+  CLI::App* command = AddCommand(app, context, "revoke", "Excludes a session from all statistics",
+                                 "maploc-map revoke --store campus.db --session 3f9c\n"
+                                 "A running server follows within a second.",
+                                 [&context, flags] { return Revoke(context, *flags); });
   command->add_option("--session", flags->session, "The session, as `sessions` lists them")
       ->required()
       ->type_name("ID");

@@ -118,10 +118,10 @@ Status Sessions(const CommandContext& context) {
 }  // namespace
 
 void AddSessionsCommand(CLI::App& app, CommandContext& context) {
-  AddCommand(
-      app, context, "sessions",
-      "Lists the robots' sessions, oldest first; says whether their gravity finds a map leaning",
-      "maploc-map sessions --store campus.db", [&context] { return Sessions(context); });
+  AddCommand(app, context, "sessions",
+             "Lists the robots' sessions, oldest first; warns if all robots' gravity differs "
+             "from a map's in the same direction",
+             "maploc-map sessions --store campus.db", [&context] { return Sessions(context); });
 }
 
 }  // namespace maploc

@@ -150,7 +150,7 @@ void AddStatsCommand(CLI::App& app, CommandContext& context) {
   command->add_option("--by", flags->groups.by, "One table for each value of this label")
       ->type_name("KEY");
   command->add_flag("--recompute", flags->groups.recompute,
-                    "Derive them anew from the sessions' rows and compare to the bit");
+                    "Recompute from the sessions' rows and compare bit by bit");
 }
 
 }  // namespace maploc

@@ -55,10 +55,8 @@ void AddOptions(CLI::App& app, ServerOptions& options) {
   app.add_option("--max-error", options.localizer.max_reprojection_error_px,
                  "Inlier threshold, pixels of a VGA-sized image; larger images scale it")
       ->check(CLI::Range(0.1, 1000.0));
-  app.add_option(
-         "--min-confidence", options.localizer.min_confidence,
-         "A pose of less confidence is not LOCALIZED; above 0.5, which poses have that their "
-         "inliers do not determine")
+  app.add_option("--min-confidence", options.localizer.min_confidence,
+                 "Least confidence of a LOCALIZED pose")
       ->check(CLI::Range(0.501, 1.0));
   app.add_option("--seed", options.localizer.seed, "Of the sampling; same seed, same answers");
   app.add_option("--log-level", options.log_level, "debug, info, warn or error")

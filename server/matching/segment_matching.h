@@ -8,8 +8,7 @@
 
 namespace maploc {
 
-// The ratio that a descriptor of this kind must stay below: measured (README.md), not a matter of
-// taste.
+// A match of this descriptor kind must have a ratio below this one. Measured (MEASUREMENTS.md).
 float MaxRatio(const DescriptorKind& kind);
 
 // Points and lines, each by nearest neighbour, ratio and mutual test. Lines that the segment does

@@ -31,18 +31,17 @@ struct QueryContext {
   }
 };
 
-// Hypotheses without gravity after those with a wrong one failed: enough for matches of which a
-// sixth are right, at a cost that every query without an answer can bear.
+// Hypotheses without gravity, tried after those with a wrong gravity failed. Enough if a sixth of
+// the matches are right, and cheap enough for every query without an answer.
 inline constexpr int kIterationsAgainstGravity = 2000;
 
 // The one that was asked for, else the segment's.
 Strategy ChooseStrategy(const QueryContext& context, const StrategyDecision& decision);
 
-// A segment's matches with its strategy, and with the next best ones (`fall_back`) until one finds
-// a pose to be told. Where none does, the one of the most confidence is told, of equals the first;
-// its iterations are those of all. `start` is the answer before there is a pose. `iterations`
-// counts on over all attempts of a query; `times` add up. An error where the query is interrupted
-// before any strategy has come to an end.
+// Tries a segment's matches with its strategy, and with the next best ones (`fall_back`), until one
+// is LOCALIZED; otherwise the most confident answer is returned (of equals the first), with the
+// iterations of all. `start` is the answer before there is a pose. `iterations` and `times` add up
+// over all attempts of a query. An error if the query is interrupted before any strategy has ended.
 Result<Localization> TryMatches(const QueryContext& context, const MapSnapshot::Entry& entry,
                                 const PoseProblem& problem, bool fall_back,
                                 const Localization& start, int& iterations, StageTimes& times);

@@ -8,8 +8,8 @@
 
 namespace maploc {
 
-// Whether a query was broken off because its time was up. An answer that it already has is then
-// told: "not localized" counts in the statistics, an error would be lost to them.
+// Whether a query was stopped because its time was up. If it already has an answer, that answer is
+// returned: "not localized" counts in the statistics, an error does not.
 inline bool IsOutOfTime(const Status& status) {
   return status.code() == StatusCode::kDeadlineExceeded;
 }

@@ -185,8 +185,8 @@ Result<Localization> TryBeyondFirst(const QueryContext& context, const std::vect
 
 // The best ranked segment, then the others, within the query's time. A wrong gravity costs at most
 // two more searches: where the first segment's matches contradict it, and where all matches
-// together found nothing. Where none answers, the best ranked one speaks: a query counts in exactly
-// one segment.
+// together found nothing. If no segment answers, the best ranked segment's answer is returned: a
+// query counts in exactly one segment.
 Result<Localization> TrySegments(const QueryContext& context, const std::vector<int>& ranked,
                                  Progress& progress, StageTimes& times) {
   const bool alone = ranked.size() == 1;

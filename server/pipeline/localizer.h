@@ -23,9 +23,9 @@ struct LocalizerOptions {
 
 // Pure: the same query, snapshot and options give the same answer (times apart). Thread-safe.
 // Errors: FAILED_PRECONDITION (DESCRIPTOR_KIND_MISMATCH), DEADLINE_EXCEEDED, CANCELLED,
-// INVALID_ARGUMENT (other than one view). Without gravity samples are three points (kP3P), whatever
-// is recorded or requested; where the matches contradict the gravity that was sent, and hold a pose
-// without it, that pose is the answer and says so (Evidence::gravity_rejected).
+// INVALID_ARGUMENT (other than one view). Without gravity, samples are three points (kP3P),
+// whatever is recorded or requested. If the matches contradict the gravity that was sent, and
+// determine a pose without it, that pose is the answer, with Evidence::gravity_rejected set.
 Result<Localization> Localize(const Query& query, const MapSnapshot& map,
                               const LocalizerOptions& options, Deadline deadline,
                               const std::atomic<bool>* cancelled);

@@ -1,12 +1,14 @@
-// Draws begin among the surest matches and widen to all of them: PROSAC's growth function (Chum and
-// Matas, "Matching with PROSAC", CVPR 2005) for two entities.
+// The pool of matches to draw from: it begins with the best matches and grows to all of them, by
+// PROSAC's growth function (Chum and Matas, "Matching with PROSAC", CVPR 2005) for two entities.
 //
-// PROSAC draws from the n best of N matches until T_n = T_N C(n, m) / C(N, m) draws are made, so
-// that the pool after t draws is, with m = 2, n(t) = N sqrt(t / T_N). Deviations: the pool of every
-// kind of feature grows by the same share; a draw is uniform in its pools, so that two draws of one
-// pool are independent and a useless order costs nothing on average; T_N is half of the matches
-// instead of 200,000: an order deserves no more trust than that, because the ratio of a match says
-// little in another season. The stop rule knows nothing of the order.
+// PROSAC draws from the n best of N matches until T_n = T_N C(n, m) / C(N, m) draws are made. With
+// m = 2 the pool after t draws is n(t) = N sqrt(t / T_N). Deviations:
+// * The pool of every kind of feature grows by the same share.
+// * A draw is uniform in its pools. Two draws of one pool are therefore independent, and a useless
+//   order costs nothing on average.
+// * T_N is half of the matches instead of 200,000: the ratio of a match says little in another
+//   season, so the order deserves no more trust.
+// The stop rule does not depend on the order.
 #pragma once
 
 #include <cstdint>

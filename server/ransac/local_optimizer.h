@@ -1,6 +1,7 @@
-// Local optimization: a hypothesis from a minimal sample, and from a gravity that is a degree off,
-// fits only part of its inliers; a few steps of robust least squares over what lies near find the
-// rest. Mandatory with real gravity: without it 1 degree of noise costs five times the iterations.
+// Local optimization. A hypothesis from a minimal sample, and from a gravity that is a degree off,
+// fits only part of its inliers; a few steps of robust least squares over the features near it find
+// the others. Necessary with real gravity: without it, 1 degree of noise costs five times the
+// iterations.
 //
 // Gauss-Newton on 6 degrees of freedom, gravity as a measurement of its sigma, over features within
 // 4 (and gravity's error), 2, 1, 1 thresholds, weighted (1 - e^2 / T^2)^2 (Tukey).

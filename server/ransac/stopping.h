@@ -1,5 +1,5 @@
-// When is it enough? Each strategy has its own probability that one draw is all inliers; the square
-// of the inlier ratio is 2P's alone and overestimates mixed's.
+// When to stop sampling. Each strategy has its own probability that one draw is all inliers. The
+// square of the inlier ratio holds for 2P only; for mixed it is too high.
 #pragma once
 
 #include "mapstore/model/strategy.h"
@@ -20,22 +20,22 @@ struct InlierCounts {
 // be drawn.
 double DrawProbability(Strategy strategy, const InlierCounts& counts);
 
-// Evaluated hypotheses that lead to the pose, over what DrawProbability says of draws. More than
-// one, because an all-inlier draw has a valid solution and most others are drawn again uncounted;
-// gates, noise and gravity take some back. Measured 1.2 to 2.6 for the 2-entity strategies and 1.07
-// to 1.4 for P3P (README.md); the least is used.
+// Ratio of the share of evaluated hypotheses that lead to the pose to DrawProbability. It is above
+// 1 because an all-inlier draw has a valid solution, while most other draws have none and are
+// repeated without being counted; gates, noise and gravity reduce it. Measured 1.2 to 2.6 for the
+// 2-entity strategies and 1.07 to 1.33 for P3P (MEASUREMENTS.md); 1.2 and 1 are used.
 double Yield(Strategy strategy);
 
-// Iterations after which a draw of probability `draw_probability` times `yield` has happened with
-// `confidence`. At least 1; clamped to `max_iterations`.
+// Iterations after which a draw of probability `draw_probability` times `yield` has occurred with
+// probability `confidence`. At least 1; at most `max_iterations`.
 int RequiredIterations(double draw_probability, double yield, double confidence,
                        int max_iterations);
 
-// Iterations after which a strategy that was expected to succeed with `predicted_success` an
-// iteration is given up for the next: four times what it needs to be all but sure of success, and
-// no fewer than 200. A query without a match of the kind that its segment's strategy draws would
-// else pay for `max_iterations`. No prediction (0): `max_iterations`; so for mixed, which draws of
-// every kind: what it does not find soon is hard to find for the others too.
+// Iterations after which the next strategy is tried, when a success of `predicted_success` per
+// iteration was expected: four times the number that succeeds almost surely, and at least 200.
+// Without this limit, a query without matches of the kind that its segment's strategy draws would
+// cost `max_iterations`. `max_iterations` without a prediction (0), and for mixed: it draws every
+// kind, so what it does not find soon is also hard for the others.
 int Patience(Strategy strategy, double predicted_success, int max_iterations);
 
 }  // namespace maploc

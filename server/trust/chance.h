@@ -23,43 +23,46 @@ struct PairCount {
   std::int64_t agreeing = 0;
 };
 
-// The share of agreeing pairs where it is significantly more than `expected_share`, else that: a
-// handful of accidents among few pairs is no pattern (three standard deviations, and two pairs).
+// The share of agreeing pairs if it is significantly above `expected_share`, else `expected_share`:
+// a few accidents among few pairs are no pattern (margin: three standard deviations and two pairs).
 double ShareBeyondAccident(const PairCount& count, double expected_share);
 
-// Features that agree with wrong matches' landmarks (so many with each) because places repeat: all,
-// unless wrong matches have merely exchanged their features. Then every landmark's own feature
-// agrees with it under the true pose, one with each and hardly ever two. Where places repeat the
-// numbers are Poisson's, and a share f of landmarks with any goes with -ln(1 - f) - f more a
-// landmark: found less than half of that, beyond accident, only the excess counts.
+// Number of agreements between features and wrong matches' landmarks that come from repeated
+// places; `per_landmark` has the number of each landmark. All of them count, unless the wrong
+// matches have merely exchanged their features: then each landmark agrees with its own feature
+// under the true pose, and hardly ever with a second one. The test: repeated places give Poisson
+// numbers. If a share f of the landmarks has at least one, the mean is m = -ln(1 - f) per landmark,
+// so m - f per landmark are second or later ones. If there are less than half as many of these
+// (after allowing for accidents), the features were exchanged, and only these count.
 std::int64_t AgreeingByRepetition(const std::vector<std::int64_t>& per_landmark);
 
 // Evidence of one feature type under a pose.
 struct Agreement {
   int matches = 0;
-  // Features closer together than the threshold count once; and of points in a clump of their own
-  // two (clumps.h: a sign that was moved agrees with a wrong pose by all its features or none).
+  // Features closer together than the threshold count once. Points of one separate clump count as
+  // two (clumps.h): all features of a sign that was moved agree with a wrong pose, or none.
   int distinct_inliers = 0;
   PairCount wrong_pairs;      // (feature i, outlier's landmark j) with i and j seen apart
   double shared_shift = 0.0;  // see below; 0 unless it is more than accident
 };
 
-// `shared_shift`: how probable is it that two wrong matches are off alike? Match i is off by d_i =
-// seen_i - projected_i. In a picture of equal windows, where each match takes a window of its own
-// for another, wrong matches agree in being some windows off, and a pose that explains "none off"
-// is as probable as one that explains "one off". It is the share of pairs of outliers, seen apart,
-// whose d agree within sqrt(2) thresholds or a twentieth of their length (perspective); d below
-// four thresholds is the tail of the pose's own noise and left out.
+// `shared_shift`: the probability that two wrong matches have the same displacement. The
+// displacement of match i is d_i = seen_i - projected_i. In a picture of equal windows, where each
+// match confuses its window with another one, wrong matches share displacements of some windows,
+// and a pose that explains "no window off" is as probable as one that explains "one window off".
+// `shared_shift` is the share of pairs of outliers, seen apart, whose d agree within sqrt(2)
+// thresholds or a twentieth of their length (perspective). A d below four thresholds is the tail of
+// the pose's own noise and is left out.
 //
-// `threshold`, `clump_width` and lengths in the plane z = 1. Looks at no more than about 100,000
+// `threshold`, `clump_width` and lengths are in the plane z = 1. Compares at most about 100,000
 // pairs, evenly spread; O(n log n) otherwise.
 Agreement PointAgreement(const std::vector<PointCorrespondence>& points,
                          const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
                          double threshold, double clump_width);
 
-// Lines are compared with lines of like direction in the image alone (10 degrees): a row of windows
-// is taken for another row, never for a column, so that the share among all pairs would flatter.
-// d is the shift across the line.
+// Lines are compared only with lines of similar direction in the image (10 degrees). A row of
+// windows is confused with another row, never with a column, so the share among all pairs would be
+// too low. d is the displacement perpendicular to the line.
 Agreement LineAgreement(const std::vector<LineCorrespondence>& lines,
                         const std::vector<std::uint8_t>& inliers, const PoseMatrix& pose,
                         double threshold, double min_length);

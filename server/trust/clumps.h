@@ -1,4 +1,5 @@
-// Features that stand or fall together: those of one thing that was moved, or taken for another.
+// Clumps: features of one thing, which is moved or mistaken for another as a whole. All of them
+// agree with a wrong pose, or none.
 #pragma once
 
 #include <vector>
@@ -7,9 +8,10 @@
 
 namespace maploc {
 
-// How many of the points are evidence of their own. Points are joined to clumps, each with all that
-// are nearer than `gap`; of a clump no wider than `width` (the diagonal of its box) two count, of a
-// wider one all. Deterministic, in any order of the points; O(n) for each in a strip of `gap`.
+// The number of points that count as independent evidence. Points nearer to each other than `gap`
+// are joined to clumps. A clump no wider than `width` (the diagonal of its box) counts as two
+// points at most; in a wider one every point counts. Deterministic, in any order of the points;
+// O(n) for each in a strip of `gap`.
 int CountByClumps(std::vector<Eigen::Vector2d> points, double gap, double width);
 
 }  // namespace maploc

@@ -14,12 +14,13 @@ namespace {
 
 // Features that the pose's six degrees of freedom explain by themselves.
 constexpr int kFeaturesOfPose = 3;
-// Poses tried an iteration: two solutions, and what local optimization tries around the best.
+// Poses tried per iteration: two solutions, and those that local optimization tries near the best.
 constexpr double kPosesPerIteration = 20.0;
 constexpr int kMinIterations = 100;
 // From log10 of the number of false alarms to the log odds that the pose is right: what was
-// observed where one query of thirty holds any truth and the others are mostly facades of repeated
-// patterns (README: the table, and how it was made). 0.99 is at 10^-5.5. Linear between the knots.
+// observed where one query in thirty has any true match and the others are mostly facades of
+// repeated patterns (MEASUREMENTS.md: the table, and how it was made). 0.99 is at 10^-5.5. Linear
+// between the knots.
 struct Knot {
   double log_false_alarms;
   double log_odds;

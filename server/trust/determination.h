@@ -1,6 +1,6 @@
-// Do the inliers determine the pose? Unlikely to be chance is not enough: fifteen true matches on
-// one patch of wall leave the camera free to turn around the patch, and the map's own errors, or
-// one wrong match at another depth, then choose the pose.
+// Do the inliers determine the pose? A low probability of chance is not enough: with fifteen true
+// matches on one patch of wall the camera can still rotate around the patch. The map's own errors,
+// or one wrong match at another depth, then decide the pose.
 #pragma once
 
 #include <numbers>
@@ -15,7 +15,8 @@ struct PoseSpread {
   double position_share = 0.0;
 };
 
-// What is asked of a pose that is told; nearer than this, two poses may be one and its noise.
+// Largest spread of a pose that is reported. Two poses that are nearer than this may be one pose
+// and its noise.
 inline constexpr PoseSpread kMaxSpread = {.rotation_rad = 5.0 * std::numbers::pi / 180.0,
                                           .position_share = 0.1};
 
@@ -23,16 +24,16 @@ inline constexpr PoseSpread kMaxSpread = {.rotation_rad = 5.0 * std::numbers::pi
 // its part in front of the camera. 0 without inliers. Thread-safe.
 double MedianInlierDepth(const PoseProblem& problem, const RefinedPose& pose);
 
-// True when the pose stays within `limit` by inliers that are worth no more than what is known of
-// them, WHICHEVER one of them is left out:
-// * an inlier is off by 1.5 times what the residuals and the map's own errors say
-//   (RefinedPose::feature_sigma_px), but by no more than anything within the threshold: a disc's
-//   uniform distribution has a standard deviation of half of its radius in each coordinate;
-// * landmarks of one place are triangulated from the same photos and err together, so that errors
-//   do not average: all inliers weigh as much as one would in their places (information / n);
-// * gravity counts with its stated sigma.
-// One inlier among the inliers is expected to be wrong: where a pose has a direction to give way,
-// it gives way to the first accident. O(inliers); deterministic; thread-safe.
+// Is the pose still determined to within `limit` when any single inlier is left out? Weights:
+// * The standard deviation of an inlier is 1.5 times what the residuals and the map's own errors
+//   give (RefinedPose::feature_sigma_px). It is at most half of the threshold: the standard
+//   deviation, in each coordinate, of a uniform distribution over the threshold's disc.
+// * Landmarks of one place are triangulated from the same photos and have common errors, which do
+//   not average out: all inliers together weigh as much as one would in their places
+//   (information / n).
+// * Gravity counts with its stated sigma.
+// One of the inliers is expected to be wrong: a pose that is weakly determined in one direction is
+// moved in that direction by the first wrong one. O(inliers); deterministic; thread-safe.
 bool IsDetermined(const PoseProblem& problem, const RefinedPose& pose,
                   double max_reprojection_error_px, const PoseSpread& limit);
 

@@ -1,4 +1,4 @@
-// The last word: may the robot rely on this pose? Evidence in, a verdict with its reason out.
+// Decides whether a refined pose may be reported, and why not.
 #pragma once
 
 #include <optional>
@@ -15,19 +15,18 @@ namespace maploc {
 struct TrustOptions {
   RefineOptions refine;  // as the pose was refined
   double min_confidence = 0.99;
-  // The problem has the gravity that was sent, though `has_gravity` may be false: then the pose was
-  // found without it, and is compared with it.
+  // The problem holds the gravity that was sent, even if `has_gravity` is false. In that case the
+  // pose was found without gravity and is compared with it.
   bool gravity_was_sent = false;
-  // Hypotheses evaluated for this query so far, over all segments: each had its chance to be right
-  // by chance.
+  // Hypotheses evaluated for this query so far, over all segments. Each could agree by chance.
   int iterations = 1;
 };
 
-// Why a pose is not told.
+// Why a pose is not reported.
 enum class Doubt {
   kNone,
-  kChance,        // matches without truth agree as well (confidence.h)
-  kUndetermined,  // its inliers leave it open (determination.h)
+  kChance,        // wrong matches agree as well (confidence.h)
+  kUndetermined,  // its inliers do not determine it (determination.h)
   kRival,         // another pose explains nearly as much (rival.h)
   kMirrored,      // a mirrored picture explains more (rival.h)
   kGravity,       // the matches contradict the gravity that it was found with (gravity_check.h)
@@ -39,8 +38,8 @@ struct Verdict {
                                               // kCalibrationInconsistent
   Doubt doubt = Doubt::kChance;               // kNone with kLocalized
   double confidence = 0.0;
-  RefinedPose pose;       // that is judged: the one that was found, or a rival that explains more
-  bool is_rival = false;  // of three points, without gravity
+  RefinedPose pose;       // the judged one: the one that was found, or a rival that explains more
+  bool is_rival = false;  // from three points, without gravity
   GravityCheck gravity;   // of that pose against the gravity that was sent
   std::optional<FocalScale> focal_scale;
 };
@@ -50,8 +49,8 @@ struct Verdict {
 Verdict JudgePose(const PoseProblem& problem, const RefinedPose& found, const Camera& camera,
                   const TrustOptions& options);
 
-// Whether the lines agree with the pose no more than wrong lines would (LinesAgreeByChance): then
-// they are to be left out of search, refinement and judgement.
+// Whether the lines agree with the pose no more than wrong lines would (LinesAgreeByChance). If so,
+// search, refinement and judgement must leave them out.
 bool LinesAreAtChance(const PoseProblem& problem, const RefinedPose& pose, const Camera& camera,
                       const TrustOptions& options);
 

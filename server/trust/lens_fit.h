@@ -18,7 +18,7 @@ namespace maploc {
 // (log s, c_x, c_y, k).
 using LensValues = Eigen::Vector4d;
 
-// How the pose gives way to the lens, and what the matches alone know of the lens.
+// How the pose depends on the lens, and the information of the matches alone about the lens.
 struct LensResponse {
   Eigen::Matrix<double, 6, 4> of_pose;  // d (w, d) / d lens, reprojection.h
   Eigen::Matrix4d information;
@@ -30,15 +30,16 @@ class LensFit {
   // `pose` was refined in `problem`, whose gravity, where it has one, is a measurement here too.
   LensFit(const PoseProblem& problem, const RefinedPose& pose, double threshold_px);
 
-  // From where the last fit ended; `prior`: standard deviations of the lens about the sent one.
-  // False where there are too few inliers to tell, or where it leads to no lens.
+  // Starts at the result of the last fit. `prior`: standard deviations of the lens about the sent
+  // one. False if there are too few inliers, or if no valid lens results.
   bool Fit(const LensValues& prior);
 
   const LensValues& lens() const { return lens_; }
   const PoseMatrix& camera_from_moved_map() const { return pose_; }
-  // Of the lens, the last prior included; of a coordinate's noise and what landmarks err together.
+  // Of the lens, with the last prior. Includes the noise of each coordinate and the landmarks'
+  // common errors.
   Eigen::Matrix4d Covariance() const;
-  // By the noise alone: what landmarks err together looks like a pose, not like a lens.
+  // From the noise alone: the landmarks' common errors look like a pose change, not like a lens.
   LensResponse Response() const;
   // As RANSAC scores: a feature at the threshold is worth 0, one without error 1.
   double Support() const;

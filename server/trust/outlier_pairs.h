@@ -1,5 +1,5 @@
-// What point_chance.cc and line_chance.cc share: which pairs of wrong matches are looked at, and
-// what they tell. How two matches are compared is each kind's own.
+// Shared by point_chance.cc and line_chance.cc: which pairs of wrong matches are compared, and what
+// is concluded. Points and lines each have their own comparison.
 #pragma once
 
 #include <algorithm>
@@ -12,19 +12,21 @@
 
 namespace maploc {
 
-// Wrong matches whose landmarks are looked at, and features that each is compared with. Of the
-// latter as good as all: AgreeingByRepetition must see a landmark's own feature.
+// Largest numbers of wrong matches whose landmarks are used, and of features that each is compared
+// with. The latter includes nearly all features: AgreeingByRepetition must see a landmark's own
+// feature.
 inline constexpr std::size_t kMostLandmarks = 64;
 inline constexpr std::size_t kMostFeatures = 1000;
-// Wrong matches of which each pair is compared.
+// Largest number of wrong matches that are compared pairwise.
 inline constexpr std::size_t kMostShifts = 160;
-// Displacements by the same distance in the map differ in the image by about this share.
+// Equal displacements in the map differ in the image by about this share (perspective).
 inline constexpr double kPerspectiveShare = 0.05;
-// Outliers that lie this close are the tail of the same pose's noise and of badly triangulated
-// landmarks, and all alike in that; a pattern repeats at larger steps.
+// Outliers below this distance come from the pose's own noise and from badly triangulated
+// landmarks, and therefore resemble each other. Patterns repeat at larger steps.
 inline constexpr double kNearMissThresholds = 4.0;
 
-// What a pair of matches tells. Two that are seen in one place are one thing, not a pattern.
+// Result of comparing a pair of matches. Two matches seen in one place show one thing, not a
+// pattern: they give kNothing.
 enum class PairTells { kNothing, kDifference, kAgreement };
 
 inline PairTells Tell(bool is_pair, bool agree) {
@@ -65,8 +67,8 @@ PairCount CountWrongPairs(std::size_t features, const std::vector<std::size_t>& 
   return count;
 }
 
-// Whether a wrong match is too far off for a near miss; and how far two that are off alike may
-// differ.
+// Whether a wrong match is displaced too far for a near miss; and how much two equal displacements
+// may differ.
 inline bool IsShifted(double shift, double threshold) {
   return !(shift < kNearMissThresholds * threshold);
 }
@@ -74,9 +76,9 @@ inline double ShiftTolerance(double shift, double threshold) {
   return std::max(std::numbers::sqrt2 * threshold, kPerspectiveShare * shift);
 }
 
-// The share of pairs of shifted outliers that are off alike where it is more than accident; else 0.
-// `compare(one, other)`: PairTells; `accident(tolerance)`: how probable it is that two agree
-// all the same. An Outlier has a `tolerance`.
+// The share of pairs of shifted outliers with the same displacement, if it is more than accident;
+// else 0. `compare(one, other)`: PairTells. `accident(tolerance)`: probability that two agree by
+// accident. An Outlier has a `tolerance`.
 template <typename Outlier, typename Compare, typename Accident>
 double ShareOffAlike(const std::vector<Outlier>& outliers, const Compare& compare,
                      const Accident& accident) {

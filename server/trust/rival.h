@@ -1,10 +1,11 @@
-// A second opinion: is there another pose that explains the matches nearly as well, or better?
+// Searches a rival: another pose that explains the matches nearly as well, or better.
 //
 // Where a pattern repeats in depth (doors along a corridor, windows of an oblique facade), wrong
 // matches agree with the camera moved by one step, and others with the camera moved by two. The
-// test against chance cannot see it: such agreement is no chance. And where gravity was wrong,
-// every pose found with it is, and the true one stands in what is left over. But truth has no
-// rival: what is left over under the true pose is wrong in many ways.
+// test against chance does not detect this, because such agreement is not due to chance. When the
+// sent gravity is wrong, every pose found with it is wrong too; the true pose is then usually found
+// among the outliers. A true pose has no rival, because its outliers are inconsistent with each
+// other.
 #pragma once
 
 #include <cstddef>
@@ -16,21 +17,21 @@
 
 namespace maploc {
 
-// The pose with most inliers among the outliers of `pose`, searched with gravity, where the problem
-// has it, and without; refined by these outliers, its flags those of all matches. It has at least
-// kRivalShare of the inliers of `pose`, and kLeastRival, among these outliers; it is more than
-// kMaxSpread (determination.h) away, which one pose's noise is not; and it has at most 1000 false
-// alarms by the test that the pose itself has passed: among
-// many matches five agree with some pose by accident. As many iterations a search as find so many
-// inliers among what is left over, at most kRivalIterations; none where too little is left over, so
-// that a pose that explains most of the matches costs nothing.
-// `options.iterations` is not looked at. Deterministic; thread-safe.
+// The pose with most inliers among the outliers of `pose`, searched with gravity (where the problem
+// has it) and without. It is refined by these outliers; its flags cover all matches. Conditions:
+// * among these outliers it has at least kLeastRival inliers, and kRivalShare of those of `pose`;
+// * it is more than kMaxSpread (determination.h) away, further than the noise of one pose;
+// * it has at most 1000 false alarms by the test that the pose itself has passed, because among
+//   many matches five agree with some pose by accident.
+// A search has as many iterations as find so many inliers among the outliers, at most
+// kRivalIterations. With too few outliers there is no search, so that a pose that explains most of
+// the matches costs nothing. `options.iterations` is not used. Deterministic; thread-safe.
 std::optional<RefinedPose> FindRival(const PoseProblem& problem, const RefinedPose& pose,
                                      const ConfidenceOptions& options);
 
-// Whether the matches that `pose` leaves over agree better with a picture that was mirrored: front
-// cameras and careless tools do that. As FindRival, with every feature's x turned over, without
-// gravity, and by inliers that can be seen from where the mirrored picture was taken.
+// Whether the outliers of `pose` agree better with a mirrored picture, which front cameras and
+// faulty tools send. As FindRival, with every feature's x negated, without gravity, and counting
+// only inliers that can be seen from where the mirrored picture was taken.
 bool LooksMirrored(const PoseProblem& problem, const RefinedPose& pose,
                    const ConfidenceOptions& options);
 

@@ -18,11 +18,12 @@ namespace {
 constexpr std::array kEdges = {0.0, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 0.999};
 constexpr double kGravityNoiseDeg = 0.5;
 
-// Confidence is a question of how many queries hold any truth: told for two populations. The first
-// is the one that the product is calibrated for (server/refinement/README.md).
+// Which share of answers is right depends on how many queries have any true match. Results are
+// given for two populations; the product is calibrated for the first
+// (server/trust/MEASUREMENTS.md).
 struct Population {
   std::string name;
-  int one_in = 1;  // so many queries holds any truth
+  int one_in = 1;  // one in so many queries has any true match
 };
 const Population kPopulations[] = {{"1 in 30 holds truth", 30}, {"all hold truth", 1}};
 

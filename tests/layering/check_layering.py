@@ -66,7 +66,7 @@ def check_include(name, folder, included):
         if folder in MAY_INCLUDE and target not in reachable(folder):
             yield f"{folder} may not include {target}"
         if folder not in MAY_INCLUDE and not name.startswith("tests/"):
-            yield f"{folder} is not a room of the house; add it to check_layering.py"
+            yield f"{folder} is not a known folder; add it to check_layering.py"
     for header, allowed in CONFINED:
         if re.fullmatch(header, included) and not re.search(allowed, name):
             yield f"{included} may stand only in {allowed}"
@@ -82,7 +82,7 @@ def check_file(root, path):
             for breach in check_include(name, folder, match.group(1)):
                 yield f"{name}:{number}: {breach}"
     if len(lines) > MAX_LINES:
-        yield f"{name}: {len(lines)} lines; above {MAX_LINES} a file needs a second room"
+        yield f"{name}: {len(lines)} lines, more than {MAX_LINES}; split the file"
 
 
 def check_readmes(root):

@@ -44,7 +44,7 @@ class LayeringTest(unittest.TestCase):
                                ("server/matching/a.cc", "opencv2/core.hpp")]:
             self.assertEqual(len(breaches_of(name, f"#include <{included}>\n")), 1, (name, included))
 
-    def test_unknown_room_and_long_file_are_found(self):
+    def test_unknown_folder_and_long_file_are_found(self):
         self.assertEqual(len(breaches_of("server/attic/a.cc", '#include "mapstore/base/ids.h"\n')), 1)
         self.assertEqual(len(breaches_of("server/app/a.cc", "\n" * 401)), 1)
 

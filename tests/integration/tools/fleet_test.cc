@@ -57,7 +57,7 @@ TEST_F(MaplocMap, ARobotWhoseCalibrationIsOffIsToldWhyAndWhatToDo) {
   EXPECT_EQ(robots[1].at("calibration_inconsistent_share"), 0.75);
   const std::string remark = robots[1].at("calibration_remark");
   EXPECT_THAT(remark, HasSubstr("9 of its 12 queries contradict the camera calibration"));
-  EXPECT_THAT(remark, HasSubstr("calibrate its camera anew"));
+  EXPECT_THAT(remark, HasSubstr("calibrate the camera again, with pictures as they are sent"));
   const std::string text = Map(command).out;
   EXPECT_THAT(text, HasSubstr("9 (0.750)"));
   EXPECT_THAT(text, HasSubstr("zoomed: " + remark + ".\n"));
@@ -95,7 +95,7 @@ TEST_F(MaplocMap, AMapThatLeansIsToldByStatsAndBySessions) {
     const Output run = Map(command + " --json");
     EXPECT_EQ(run.exit_code, 0);
     EXPECT_FALSE(json::parse(run.out, nullptr, false).is_discarded()) << run.out;
-    EXPECT_THAT(run.error, HasSubstr("map yard version 1 leans by 3.4 degrees"));
+    EXPECT_THAT(run.error, HasSubstr("map yard: gravity of version 1 is off by 3.4 degrees"));
     EXPECT_THAT(run.error, HasSubstr("maploc-map level --map yard --gravity "));
   }
   GiveMap(*OpenSqliteStore(store_).value());

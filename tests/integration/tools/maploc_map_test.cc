@@ -213,7 +213,7 @@ TEST_F(MaplocMapSeason, StatsTellWhereTheMapIsDyingSinceWhenAndInWhat) {
   EXPECT_DOUBLE_EQ(change.at("before"), 0.6);
   EXPECT_DOUBLE_EQ(change.at("after"), 0.05);
   const std::string text = Map(by_day).out;
-  EXPECT_THAT(text, HasSubstr("Where the map is dying"));
+  EXPECT_THAT(text, HasSubstr("Segments that got worse, worst first:"));
   EXPECT_THAT(text, HasSubstr("1970-01-07"));
   EXPECT_THAT(Map("stats --store $STORE --map yard --label light=night").out,
               HasSubstr("No segment has become worse"));

@@ -39,14 +39,14 @@ std::vector<HeldSet> HeldSets() {
   add("portrait_left", {.rolls_deg = {-90}}, {"portrait"});
   add("portrait_both", {.rolls_deg = {90, -90}}, {"portrait"});
   add("portrait_one_sided", {.yaw_range_deg = 10, .pitch_range_deg = 5, .rolls_deg = {90}},
-      {"look the same way"});
+      {"look in the same direction"});
   add("mixed", {.rolls_deg = {0, 0, 90, -90}}, {"different ways"});
   add("upside_down", {.rolls_deg = {180}}, {"upside down", "known to within"});
   add("some_upside_down", {.rolls_deg = {0, 0, 180}}, {"different ways"});
   add("nadir", {.pitch_deg = -90, .pitch_range_deg = 4}, {"straight down"});
   add("oblique_drone", {.pitch_deg = -50, .pitch_range_deg = 10}, {"upside down", "within"});
   add("one_sided", {.yaw_range_deg = 10, .pitch_deg = 8, .pitch_range_deg = 10},
-      {"look the same way"});
+      {"look in the same direction"});
   add("few", {.photos = 4}, {"there are 4 photos"});
   return sets;
 }

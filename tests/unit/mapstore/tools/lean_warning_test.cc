@@ -24,7 +24,7 @@ TEST(DescribeLeans, TellsWhatAllRobotsSay) {
   const std::vector<std::string> lines = DescribeLeans(
       {Drive("a", {0.06, 0.0}), Drive("b", {0.062, 0.001}), Drive("c", {0.058, -0.001})});
   ASSERT_EQ(lines.size(), 1u);
-  EXPECT_THAT(lines[0], testing::HasSubstr("map yard version 3 leans by 3."));
+  EXPECT_THAT(lines[0], testing::HasSubstr("map yard: gravity of version 3 is off by 3."));
   EXPECT_THAT(lines[0], testing::HasSubstr("maploc-map level --map yard --gravity "));
 }
 
