@@ -32,7 +32,7 @@ class FailingStore final : public testing::ForwardingStore {
     for (const SessionObservations& one : group) {
       if (one.session == poisoned) return Internal("this session cannot be written");
     }
-    if (failing) return Status(StatusCode::kUnavailable, "DISK_FULL", "the disk is full");
+    if (failing) return Status(StatusCode::kUnavailable, failing_as, "the store fails");
     return store_->AppendGroup(group);
   }
   Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end, std::int64_t end_unix_ns,
@@ -42,7 +42,13 @@ class FailingStore final : public testing::ForwardingStore {
     hold_ends.wait(true);
     return Status(StatusCode::kUnavailable, "STORE_BUSY", "another process holds the store");
   }
+  Status StartSession(const Session& session) override {
+    if (!refuses_starts) return store_->StartSession(session);
+    return Status(StatusCode::kUnavailable, failing_as, "the store fails");
+  }
   std::atomic<bool> failing = false;
+  std::atomic<bool> refuses_starts = false;
+  std::string failing_as = "DISK_FULL";
   std::atomic<int> groups = 0;
   SessionId poisoned;
   std::atomic<bool> hold_ends = false;  // an end waits while this is set, and then fails
@@ -329,6 +335,53 @@ TEST_F(SessionManagerTest, QueriesAreRefusedRatherThanUncounted) {
   ASSERT_TRUE(manager_->Flush().ok());
   Query(id, 0);
   EXPECT_EQ(manager_->End(id)->queries, 4);
+}
+
+// Else health would be good on a full disk as soon as nothing waits.
+TEST_F(SessionManagerTest, ARefusedStartIsBadHealthUntilTheStoreTakesSomething) {
+  Health health;
+  options_.flush_interval = 1ms;
+  options_.health = &health;
+  store_.failing = store_.refuses_starts = true;
+  Restart();
+  EXPECT_EQ(store_.groups, 0);
+  EXPECT_EQ(manager_->Start({map_, "rover", {}, ""}).status().reason(), "DISK_FULL");
+  ASSERT_TRUE(testing::WaitFor([&] { return store_.groups > 10; }));
+  EXPECT_FALSE(health.good());
+  store_.failing = store_.refuses_starts = false;
+  EXPECT_TRUE(testing::WaitFor([&] { return health.good(); }));
+  manager_.reset();
+}
+
+TEST_F(SessionManagerTest, AStopWithNothingToWriteIsCleanThoughTheStoreFails) {
+  store_.failing = store_.refuses_starts = true;
+  EXPECT_FALSE(manager_->Start({map_, "rover", {}, ""}).ok());
+  EXPECT_TRUE(manager_->Shutdown().ok());
+}
+
+// One process that holds the store for a while is no fault; one that holds up half of what may
+// wait is.
+TEST_F(SessionManagerTest, ABusyStoreIsBadHealthAtHalfTheBacklog) {
+  Health health;
+  options_.flush_interval = 1ms;
+  options_.max_unsaved_observations = 6;
+  options_.health = &health;
+  store_.failing_as = "STORE_BUSY";
+  Restart();
+  const SessionId id = StartSession();
+  store_.failing = true;
+  Query(id, 0);
+  const int before = store_.groups;
+  ASSERT_TRUE(testing::WaitFor([&] { return store_.groups > before + 10; }));
+  EXPECT_TRUE(health.good());
+  Query(id, 0);
+  Query(id, 0);
+  EXPECT_TRUE(testing::WaitFor([&] { return !health.good(); }));
+  EXPECT_TRUE(manager_->Enter(id).ok());  // nobody is refused yet
+  store_.failing = false;
+  EXPECT_TRUE(testing::WaitFor([&] { return health.good(); }));
+  EXPECT_EQ(OnDisk(id), 3u);
+  manager_.reset();
 }
 
 TEST_F(SessionManagerTest, IdleSessionsEnd) {
