@@ -6,10 +6,12 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "mapstore/store/beside_store.h"
+
 namespace maploc {
 namespace {
 
-std::string LockPath(const std::string& store_path) { return store_path + "-imports"; }
+std::string LockPath(const std::string& store_path) { return BesideStore(store_path, "-imports"); }
 
 constexpr std::int64_t kToTheEnd = 0;
 

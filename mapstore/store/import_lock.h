@@ -1,6 +1,6 @@
 // Says that an import lives: a lock on one byte of a file beside the store, which the kernel lets
 // go when the process dies, however it dies. Unlike a process id it cannot be reused, and it holds
-// across containers that share the folder.
+// across containers that share the folder. The file is STORE-imports, of the path without links.
 #pragma once
 
 #include <cstdint>

@@ -2,29 +2,14 @@
 
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "mapstore/store/beside_store.h"
+
 namespace maploc {
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr int kMaxLinks = 40;  // as the kernel
-
-// One store has one lock, by whatever name it is opened, and before it is made.
-std::string LockPath(const std::string& store_path) {
-  std::error_code error;
-  fs::path path = store_path;
-  // weakly_canonical stops at a link to what does not exist yet; SQLite makes the store behind it.
-  for (int i = 0; i < kMaxLinks && fs::is_symlink(path, error) && !fs::exists(path, error); ++i) {
-    path = path.parent_path() / fs::read_symlink(path, error);
-  }
-  const fs::path real = fs::weakly_canonical(path, error);
-  return (error ? store_path : real.string()) + "-server";
-}
 
 Status CannotLock(const std::string& path, int error, const std::string& what,
                   const std::string& cure) {
@@ -35,7 +20,7 @@ Status CannotLock(const std::string& path, int error, const std::string& what,
 }  // namespace
 
 Result<ServeLock> ServeLock::Acquire(const std::string& store_path) {
-  const std::string path = LockPath(store_path);
+  const std::string path = BesideStore(store_path, "-server");
   ServeLock lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
   if (lock.file_ < 0) {
     return CannotLock(path, errno, "cannot be opened",

@@ -1,5 +1,6 @@
 #include "mapstore/store/sqlite_database.h"
 
+#include <cerrno>
 #include <chrono>
 #include <cstdint>
 #include <thread>
@@ -44,6 +45,34 @@ int WaitForLock(void* timeout_ms, int times_before) {
   if (times_before >= reinterpret_cast<std::intptr_t>(timeout_ms)) return 0;
   std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return 1;
+}
+
+Status DiskFull(const std::string& where) {
+  return ResourceExhausted("DISK_FULL", where + "the disk is full; free some space");
+}
+
+// Of the log, where commits fail, SQLite keeps the number with the file alone.
+int LastSystemError(sqlite3* handle) {
+  sqlite3_file* log = nullptr;
+  sqlite3_file_control(handle, "main", SQLITE_FCNTL_JOURNAL_POINTER, &log);
+  int error = 0;
+  if (log != nullptr && log->pMethods != nullptr) {
+    log->pMethods->xFileControl(log, SQLITE_FCNTL_LAST_ERRNO, &error);
+  }
+  return error != 0 ? error : sqlite3_system_errno(handle);
+}
+
+// SQLite tells a full disk from other failures where it writes, not where it lengthens a file.
+Status IoFailed(const std::string& where, const std::string& what, int system_error) {
+  if (system_error == ENOSPC || system_error == EDQUOT) return DiskFull(where);
+  if (system_error == EROFS) {
+    return Status(StatusCode::kUnavailable, "STORE_NOT_WRITABLE",
+                  where +
+                      "its file system has become read-only, as after an error of the disk (see "
+                      "dmesg); check the disk and mount it for writing again");
+  }
+  return Status(StatusCode::kUnavailable, "STORE_IO",
+                where + "input or output failed (" + what + "); check the disk");
 }
 
 }  // namespace
@@ -98,7 +127,7 @@ Status SqliteDatabase::ErrorOf(int result_code) const {
       return Status(StatusCode::kUnavailable, "STORE_BUSY",
                     where + "another process holds the store; try again");
     case SQLITE_FULL:
-      return ResourceExhausted("DISK_FULL", where + "the disk is full; free some space");
+      return DiskFull(where);
     case SQLITE_CANTOPEN:
     case SQLITE_PERM:
     case SQLITE_AUTH:
@@ -107,8 +136,7 @@ Status SqliteDatabase::ErrorOf(int result_code) const {
                     where + "cannot be opened for writing (" + what +
                         "); check that the folder exists and its permissions");
     case SQLITE_IOERR:
-      return Status(StatusCode::kUnavailable, "STORE_IO",
-                    where + "input or output failed (" + what + "); check the disk");
+      return IoFailed(where, what, handle_ ? LastSystemError(handle()) : 0);
     default:
       return Internal(where + what);
   }

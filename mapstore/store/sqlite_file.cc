@@ -4,13 +4,13 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <thread>
 
 #include <fcntl.h>
 #include <unistd.h>
 
 #include "mapstore/store/schema.h"
+#include "mapstore/store/sqlite_bytes.h"
 #include "mapstore/store/sqlite_log.h"
 #include "mapstore/store/sqlite_migration.h"
 #include "mapstore/store/sqlite_stamp.h"
@@ -43,15 +43,9 @@ Status TooNew(const std::string& path, std::int64_t version) {
 // Looks at the bytes alone: merely opening a strange database could change it (a log to be
 // replayed).
 Status CheckHeader(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    return Status(StatusCode::kUnavailable, "STORE_NOT_READABLE",
-                  path + ": cannot be read; check its permissions");
-  }
   Header header{};
-  file.read(reinterpret_cast<char*>(header.data()), header.size());
-  const bool whole = file.gcount() == static_cast<std::streamsize>(header.size());
-  if (!whole || std::memcmp(header.data(), kMagic.data(), kMagic.size()) != 0) {
+  MAPLOC_RETURN_IF_ERROR(ReadFirstBytes(path, header));
+  if (std::memcmp(header.data(), kMagic.data(), kMagic.size()) != 0) {
     return NotAStore(path, "is not an SQLite database");
   }
   if (BigEndian32(header, kApplicationIdAt) != static_cast<std::uint32_t>(kStoreApplicationId)) {

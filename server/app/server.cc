@@ -148,7 +148,9 @@ Status Server::Shutdown() {
     grpc_server_->Shutdown(std::chrono::system_clock::now() + kTimeOfWatchers);
     grpc_server_->Wait();
   }
-  const Status status = sessions_ != nullptr ? sessions_->Shutdown() : Status::Ok();
+  const Status status = sessions_ != nullptr
+                            ? sessions_->Shutdown().WithContext("statistics are not on disk")
+                            : Status::Ok();
   if (!options_.port_file.empty()) RemovePortFile(options_.port_file);
   {
     const std::lock_guard lock(mutex_);
@@ -159,14 +161,20 @@ Status Server::Shutdown() {
   return status;
 }
 
+bool Server::IsStopped() {
+  const std::lock_guard lock(mutex_);
+  return state_ == State::kStopped;
+}
+
 void Server::WaitForShutdown() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return state_ == State::kStopped; });
 }
 
 Server::~Server() {
-  if (const Status status = Shutdown(); !status.ok()) {
-    spdlog::error("statistics are not on disk: {}", status.ToString());
+  const bool told = IsStopped();  // whoever stopped it has its last word
+  if (const Status status = Shutdown(); !status.ok() && !told) {
+    spdlog::error("{}", status.ToString());
   }
   // In this order: calls first, then what they use.
   grpc_server_.reset();

@@ -43,7 +43,8 @@ class Server {
 
   // Health turns NOT_SERVING, new requests are refused, running ones finish (kDrainTime at most),
   // observations reach the disk. Sessions stay open for the next start. Idempotent; returns the
-  // store's last word.
+  // store's last word ("statistics are not on disk: ..."), which the caller tells; what nobody
+  // asked for the destructor logs.
   Status Shutdown();
   // Until somebody calls Shutdown, and that is done.
   void WaitForShutdown();
@@ -53,6 +54,7 @@ class Server {
          std::optional<ServeLock> lock);
   Status StartDomain();
   Status Listen();
+  bool IsStopped();
   // Tells the watchers of gRPC's health what the threads report, until the end has begun.
   void TellHealth();
 

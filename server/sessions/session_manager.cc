@@ -145,6 +145,7 @@ Result<Session> SessionManager::StartNew(const NewSession& request) {
   if (!request.request_id.empty()) session.labels[kRequestIdLabel] = request.request_id;
   session.start_unix_ns = clock_.NowUnixNanos();
   if (const Status status = store_->StartSession(session); !status.ok()) {
+    NoteRefusal(status);
     // The robot's words were checked; what is refused here is the server's own.
     const bool ours = status.code() == StatusCode::kInvalidArgument;
     return ours ? Internal("the session cannot be stored: " + status.message()) : status;

@@ -9,6 +9,7 @@
 // Thread-safe.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
@@ -143,6 +144,10 @@ class SessionManager {
   Result<SessionSummary> Finish(const std::shared_ptr<Open>& open, SessionEnd end);
   // Everything that is not on disk, in groups of one transaction each.
   std::vector<std::vector<Batch>> Waiting() const;
+  Status WriteRound();
+  // A failure while many observations wait is STATISTICS_BACKLOG.
+  Status WithBacklog(const Status& status) const;
+  void NoteRefusal(const Status& status);
   Status FlushGroup(const std::vector<Batch>& group);
   Status FlushOneByOne(const std::vector<Batch>& group, const Status& refused);
   void DropEnded(const Batch& batch);
@@ -158,6 +163,7 @@ class SessionManager {
   std::mutex start_mutex_;  // one start at a time, so that a repeated one finds the first
   std::map<RequestKey, Remembered> remembered_;  // guarded by start_mutex_
   std::mutex flush_mutex_;                       // one flush at a time
+  std::atomic<bool> refused_ = false;  // a start or an end, by a store that may refuse all
 
   mutable std::mutex mutex_;  // guards all below; never held over a call of the store
   std::condition_variable changed_;

@@ -14,6 +14,12 @@ namespace {
 // one.
 constexpr std::size_t kMaxGroup = 2000;
 
+// A store that is busy, full or broken refuses everybody, whatever is written.
+bool IsOfTheStore(const Status& status) {
+  return status.code() == StatusCode::kUnavailable ||
+         status.code() == StatusCode::kResourceExhausted;
+}
+
 }  // namespace
 
 void SessionManager::Run() {
@@ -23,10 +29,20 @@ void SessionManager::Run() {
     changed_.wait_for(lock, options_.flush_interval, [this] { return stopping_; });
     lock.unlock();
     health.Run("statistics, which stay in memory until they can be written",
-               [this] { return Flush(); });
+               [this] { return WriteRound(); });
     health.Run("sessions that have been idle too long", [this] { return CloseIdle(); });
     lock.lock();
   }
+}
+
+// Where nothing waits, but a start or an end was refused, it is tried whether the store takes
+// anything (a transaction without rows is written to disk, too): health is to say so until it does.
+Status SessionManager::WriteRound() {
+  const bool was_refused = refused_.exchange(false);
+  Status status = Flush();
+  if (status.ok() && was_refused) status = store_->AppendGroup({}).status();
+  if (!status.ok() && was_refused) refused_ = true;
+  return WithBacklog(status);
 }
 
 Status SessionManager::Flush() {
@@ -37,6 +53,20 @@ Status SessionManager::Flush() {
     if (first_error.ok()) first_error = status;
   }
   return first_error;
+}
+
+// Before robots are refused (Enter), whatever the failure is and however short.
+Status SessionManager::WithBacklog(const Status& status) const {
+  const std::lock_guard lock(mutex_);
+  if (status.ok() || unsaved_ < options_.max_unsaved_observations / 2) return status;
+  return Status(StatusCode::kUnavailable, "STATISTICS_BACKLOG",
+                std::to_string(unsaved_) + " observations wait, of " +
+                    std::to_string(options_.max_unsaved_observations) +
+                    " at most: " + status.message());
+}
+
+void SessionManager::NoteRefusal(const Status& status) {
+  if (IsOfTheStore(status)) refused_ = true;
 }
 
 std::vector<std::vector<SessionManager::Batch>> SessionManager::Waiting() const {
@@ -69,13 +99,10 @@ Status SessionManager::FlushGroup(const std::vector<Batch>& group) {
   return Status::Ok();
 }
 
-// What the store refuses of one session must not hold up the others. A store that is busy or full
-// refuses everybody: asking again for each would only take longer.
+// What the store refuses of one session must not hold up the others. Where it refuses everybody
+// asking again for each would only take longer.
 Status SessionManager::FlushOneByOne(const std::vector<Batch>& group, const Status& refused) {
-  if (refused.code() == StatusCode::kUnavailable ||
-      refused.code() == StatusCode::kResourceExhausted) {
-    return refused;
-  }
+  if (IsOfTheStore(refused)) return refused;
   for (const Batch& batch : group) static_cast<void>(FlushGroup({batch}));
   return refused;
 }
@@ -145,6 +172,7 @@ Result<SessionSummary> SessionManager::Finish(const std::shared_ptr<Open>& open,
   // Whatever happens, the session must not stay claimed.
   Result<SessionSummary> summary = Caught(
       [&] { return store_->EndSession(open->session.id, end, clock_.NowUnixNanos(), last); });
+  NoteRefusal(summary.status());
   {
     const std::lock_guard lock(mutex_);
     if (summary.ok()) {

@@ -7,91 +7,16 @@
 #include <thread>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include "mapstore/store/in_memory_store.h"
 #include "server/sessions/session_id.h"
-#include "tests/support/fake_clock.h"
-#include "tests/support/forwarding_store.h"
-#include "tests/support/seed.h"
-#include "tests/support/stored_world.h"
 #include "tests/support/wait_for.h"
+#include "tests/unit/server/sessions/session_manager_fixture.h"
 
 namespace maploc {
 namespace {
 
 using namespace std::chrono_literals;
 using ::testing::HasSubstr;
-
-// Refuses to write for as long as a test wants.
-class FailingStore final : public testing::ForwardingStore {
- public:
-  using ForwardingStore::ForwardingStore;
-  Result<std::vector<SessionId>> AppendGroup(std::span<const SessionObservations> group) override {
-    ++groups;
-    for (const SessionObservations& one : group) {
-      if (one.session == poisoned) return Internal("this session cannot be written");
-    }
-    if (failing) return Status(StatusCode::kUnavailable, "DISK_FULL", "the disk is full");
-    return store_->AppendGroup(group);
-  }
-  Result<SessionSummary> EndSession(const SessionId& id, SessionEnd end, std::int64_t end_unix_ns,
-                                    std::span<const Observation> last) override {
-    if (!hold_ends) return store_->EndSession(id, end, end_unix_ns, last);
-    held = true;
-    hold_ends.wait(true);
-    return Status(StatusCode::kUnavailable, "STORE_BUSY", "another process holds the store");
-  }
-  std::atomic<bool> failing = false;
-  std::atomic<int> groups = 0;
-  SessionId poisoned;
-  std::atomic<bool> hold_ends = false;  // an end waits while this is set, and then fails
-  std::atomic<bool> held = false;
-};
-
-Observation Localized(SegmentId segment) {
-  Observation observation;
-  observation.segment = segment;
-  observation.outcome = Outcome::kLocalized;
-  observation.evidence.points = {20, 10};
-  return observation;
-}
-
-class SessionManagerTest : public ::testing::Test {
- protected:
-  SessionManagerTest() : store_(memory_.get()) {
-    testing::DrawnWorldOptions tiny;
-    tiny.points_a_metre = 1;
-    map_ = testing::ImportWorld(testing::DrawnWorld(testing::TestRandom(), tiny), memory_.get());
-    // The thread sleeps: tests flush when they mean to.
-    options_.flush_interval = 1h;
-    Restart();
-  }
-
-  // What a restart of the server leaves: the store.
-  void Restart() {
-    manager_.reset();
-    manager_ = SessionManager::Create(&store_, options_, clock_).value();
-  }
-  SessionId StartSession(const std::string& request_id = "") {
-    const Result<Session> session = manager_->Start({map_, "rover", {}, request_id});
-    EXPECT_TRUE(session.ok()) << session.status().ToString();
-    return session->id;
-  }
-  void Query(const SessionId& id, SegmentId segment) {
-    Result<SessionManager::Lease> lease = manager_->Enter(id);
-    ASSERT_TRUE(lease.ok()) << lease.status().ToString();
-    EXPECT_TRUE(lease->Record(Localized(segment)).ok());
-  }
-  std::size_t OnDisk(const SessionId& id) const { return memory_->ListObservations(id)->size(); }
-
-  const std::unique_ptr<MapStore> memory_ = NewInMemoryStore();
-  FailingStore store_;
-  MapKey map_;
-  testing::FakeClock clock_;
-  SessionManagerOptions options_;
-  std::unique_ptr<SessionManager> manager_;
-};
 
 TEST(SessionIdTest, NeverRepeatsAndIsLong) {
   std::set<SessionId> ids;
@@ -284,51 +209,12 @@ TEST_F(SessionManagerTest, OpenSessionsGoOnAfterARestart) {
   EXPECT_EQ(manager_->End(id)->queries, 2);
 }
 
-TEST_F(SessionManagerTest, WhatTheStoreRefusesIsWrittenLater) {
-  const SessionId id = StartSession();
-  Query(id, 0);
-  store_.failing = true;
-  EXPECT_EQ(manager_->Flush().reason(), "DISK_FULL");
-  Query(id, 0);
-  store_.failing = false;
-  ASSERT_TRUE(manager_->Flush().ok());
-  EXPECT_EQ(OnDisk(id), 2u);
-}
-
 TEST_F(SessionManagerTest, ManySessionsShareOneTransaction) {
   std::vector<SessionId> sessions;
   for (int i = 0; i < 100; ++i) Query(sessions.emplace_back(StartSession()), 0);
   ASSERT_TRUE(manager_->Flush().ok());
   EXPECT_EQ(store_.groups, 1);
   for (const SessionId& id : sessions) EXPECT_EQ(OnDisk(id), 1u);
-}
-
-TEST_F(SessionManagerTest, ASessionThatTheStoreRefusesHoldsUpNobody) {
-  const SessionId good = StartSession();
-  const SessionId bad = StartSession();
-  const SessionId ended = StartSession();
-  for (const SessionId& id : {good, bad, ended}) Query(id, 0);
-  ASSERT_TRUE(memory_->EndSession(ended, SessionEnd::kByRobot, 1, {}).ok());
-  store_.poisoned = bad;
-  EXPECT_FALSE(manager_->Flush().ok());
-  EXPECT_EQ(OnDisk(good), 1u);
-  EXPECT_EQ(manager_->Enter(ended).status().reason(), "SESSION_CLOSED");
-  store_.poisoned.clear();
-  EXPECT_TRUE(manager_->Flush().ok());
-  EXPECT_EQ(OnDisk(bad), 1u);
-}
-
-TEST_F(SessionManagerTest, QueriesAreRefusedRatherThanUncounted) {
-  options_.max_unsaved_observations = 3;
-  Restart();
-  const SessionId id = StartSession();
-  store_.failing = true;
-  for (int i = 0; i < 3; ++i) Query(id, 0);
-  EXPECT_EQ(manager_->Enter(id).status().reason(), "STATISTICS_BACKLOG");
-  store_.failing = false;
-  ASSERT_TRUE(manager_->Flush().ok());
-  Query(id, 0);
-  EXPECT_EQ(manager_->End(id)->queries, 4);
 }
 
 TEST_F(SessionManagerTest, IdleSessionsEnd) {
@@ -350,26 +236,6 @@ TEST_F(SessionManagerTest, IdleSessionsEnd) {
   const SessionSummary summary = manager_->End(idle).value();  // the robot comes back
   EXPECT_EQ(summary.end, SessionEnd::kIdle);
   EXPECT_EQ(summary.queries, 1);
-}
-
-TEST_F(SessionManagerTest, AShutdownAmidAFailingIdleEndLosesNothing) {
-  options_.flush_interval = 1ms;
-  options_.idle_timeout = 10min;
-  store_.failing = true;  // so that the query is still in memory when the session is ended
-  store_.hold_ends = true;
-  Restart();
-  const SessionId id = StartSession();
-  Query(id, 0);
-  clock_.Advance(11min);
-  ASSERT_TRUE(testing::WaitFor([&] { return store_.held.load(); }));
-  store_.failing = false;
-  auto shutdown = std::async(std::launch::async, [&] { return manager_->Shutdown(); });
-  ASSERT_TRUE(
-      testing::WaitFor([&] { return manager_->Enter(id).status().reason() == "SHUTTING_DOWN"; }));
-  store_.hold_ends = false;
-  store_.hold_ends.notify_all();
-  EXPECT_TRUE(shutdown.get().ok());
-  EXPECT_EQ(OnDisk(id), 1u);
 }
 
 TEST_F(SessionManagerTest, AnEndByAnotherProcessIsNoticed) {
