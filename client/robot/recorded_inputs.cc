@@ -53,10 +53,7 @@ Status RecordedRobot::CheckPhotosWhole() const {
   }
   if (cut.empty()) return Status::Ok();
   return Status(StatusCode::kInvalidArgument, std::string(kTruncatedImage),
-                options_.images + ": " +
-                    ListText(cut, images_.size(),
-                             "photos are truncated (the file stops before "
-                             "the picture's end)") +
+                options_.images + ": " + ListText(cut, images_.size(), "photos are truncated") +
                     "; copy them again, or take their images out of the model");
 }
 
