@@ -6,6 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "mapstore/features/image.h"
+
 namespace maploc {
 namespace {
 
@@ -71,9 +73,8 @@ void DrawCaption(const Localization& answer, cv::Mat& image) {
 Status DrawLocalization(const std::string& photo_path, const View& view,
                         const Localization& localization, const std::string& out_path) {
   try {
-    const cv::Mat grey =
-        cv::imread(photo_path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-    if (grey.empty()) return InvalidFile(photo_path, "is not an image");
+    MAPLOC_ASSIGN_OR_RETURN(GrayImage photo, LoadGrayImage(photo_path));
+    const cv::Mat grey(photo.height_px, photo.width_px, CV_8UC1, photo.pixels.data());
     cv::Mat image;
     cv::cvtColor(grey, image, cv::COLOR_GRAY2BGR);
     DrawUnmatched(view, image);

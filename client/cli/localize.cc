@@ -63,6 +63,13 @@ Result<View> ExtractView(const LocalizeFlags& flags, const MapInfo& map) {
   return view;
 }
 
+void TellAboutPhoto(const std::string& path, const Camera& camera) {
+  const PixelSize size{camera.width_px(), camera.height_px()};
+  for (const std::string& note : {OrientationNote(path), DescribeReduced({&size, 1})}) {
+    if (!note.empty()) PrintNotes({note});
+  }
+}
+
 Json CountsJson(const FeatureCounts& counts) {
   return {{"matches", counts.matches}, {"inliers", counts.inliers}};
 }
@@ -153,7 +160,7 @@ Status Run(const CommandContext& context, const LocalizeFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const Client client, Connect(context));
   MAPLOC_ASSIGN_OR_RETURN(const RemoteMap map, client.GetMap(flags.map));
   MAPLOC_ASSIGN_OR_RETURN(View view, ExtractView(flags, map.info));
-  if (const std::string note = OrientationNote(flags.image); !note.empty()) PrintNotes({note});
+  TellAboutPhoto(flags.image, view.camera);
   query.map = flags.map;
   query.views.push_back(std::move(view));
   query.requested_strategy = flags.method.RequestedStrategy();

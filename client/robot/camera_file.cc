@@ -1,5 +1,7 @@
 #include "client/robot/camera_file.h"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
@@ -65,6 +67,18 @@ Result<std::int64_t> Choose(const CameraChoice& choice, const Map& cameras,
                     choice.photo + "'; say which camera took it with --camera-id N");
 }
 
+// A file to read by lines; the mark that some editors put before UTF-8 is passed over.
+std::ifstream OpenText(const std::string& path) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  std::ifstream file(path);
+  for (const char expected : kByteOrderMark) {
+    if (file.peek() != std::char_traits<char>::to_int_type(expected)) break;
+    file.get();
+  }
+  file.clear(file.rdstate() & ~std::ios::eofbit);
+  return file;
+}
+
 struct CameraLine {
   std::string line;
   std::string where;
@@ -72,7 +86,7 @@ struct CameraLine {
 
 // By id; an id that is no number is 0, and the line's parser will say so.
 Result<std::map<std::int64_t, CameraLine>> ReadCameraLines(const std::string& path) {
-  std::ifstream file(path);
+  std::ifstream file = OpenText(path);
   if (!file) return NotFound("camera file '" + path + "'", "FILE_NOT_FOUND");
   std::map<std::int64_t, CameraLine> lines;
   std::string line;
@@ -95,7 +109,7 @@ Result<std::map<std::int64_t, CameraLine>> ReadCameraLines(const std::string& pa
 // images.txt has two lines an image: "ID QW QX QY QZ TX TY TZ CAMERA NAME", then its keypoints,
 // which may be a blank line. Where there is no such file, no image is considered.
 void ConsiderImageList(const std::string& path, CameraOfPhoto& of_photo) {
-  std::ifstream file(path);
+  std::ifstream file = OpenText(path);
   std::string line;
   while (std::getline(file, line)) {
     const std::size_t first = line.find_first_not_of(" \t\r");
@@ -110,6 +124,14 @@ void ConsiderImageList(const std::string& path, CameraOfPhoto& of_photo) {
     }
     std::getline(file, line);
   }
+}
+
+// In lower case, with the dot.
+std::string Extension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
 }
 
 Result<Camera> ReadFromText(const CameraChoice& choice) {
@@ -137,12 +159,13 @@ Result<Camera> ReadFromModel(const CameraChoice& choice, const std::string& fold
 
 Result<Camera> ReadCameraFile(const CameraChoice& choice) {
   const std::string& file = choice.file;
-  if (file.ends_with(".yaml") || file.ends_with(".yml")) {
+  const std::string extension = Extension(file);
+  if (extension == ".yaml" || extension == ".yml") {
     if (!choice.camera_id) return ReadEurocSensorYaml(file);
     return InvalidArgument("--camera-id", "chooses among COLMAP's cameras; " + file + " is one");
   }
   if (std::filesystem::is_directory(file)) return ReadFromModel(choice, file);
-  if (file.ends_with(".bin")) {
+  if (extension == ".bin") {
     const std::string folder = std::filesystem::path(file).parent_path().string();
     return ReadFromModel(choice, folder.empty() ? "." : folder);
   }

@@ -1,5 +1,6 @@
 // A photo's calibration from a file: COLMAP's cameras (cameras.txt, cameras.bin or a model's
-// folder), or an EuRoC sensor.yaml (told by its name, .yaml or .yml).
+// folder), or an EuRoC sensor.yaml (told by its name, .yaml or .yml,
+// in any case).
 #pragma once
 
 #include <cstdint>

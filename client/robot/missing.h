@@ -11,4 +11,8 @@ namespace maploc {
 std::string MissingText(const std::vector<std::string>& names, std::size_t total,
                         const std::string& what);
 
+// "2 of 180 photos are truncated: 'a', 'b'". `what` says what they are. REQUIRES: as above.
+std::string ListText(const std::vector<std::string>& names, std::size_t total,
+                     const std::string& what);
+
 }  // namespace maploc

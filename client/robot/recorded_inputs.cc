@@ -46,6 +46,17 @@ Status RecordedRobot::CheckDatabase() const {
   return Status::Ok();
 }
 
+Status RecordedRobot::CheckPhotosWhole() const {
+  std::vector<std::string> cut;
+  for (int i = 0; i < QueryCount(); ++i) {
+    if (!CheckWhole(ImagePath(i)).ok()) cut.push_back(images_[i].name);
+  }
+  if (cut.empty()) return Status::Ok();
+  return Status(StatusCode::kInvalidArgument, std::string(kTruncatedImage),
+                options_.images + ": " + ListText(cut, images_.size(), "photos are truncated") +
+                    "; copy them again, or take their images out of the model");
+}
+
 Status RecordedRobot::CheckPhotos() const {
   // Too small to detect anything in it: only whether there is a detector of the map's kind.
   if (DetectsPoints()) {
@@ -68,7 +79,7 @@ Status RecordedRobot::CheckPhotos() const {
                                           model_.cameras.at(images_[i].camera_id),
                                           options_.model_dir));
   }
-  return Status::Ok();
+  return CheckPhotosWhole();
 }
 
 std::string RecordedRobot::PointsNote() const {
@@ -102,9 +113,19 @@ std::string RecordedRobot::OrientationNote() const {
          options_.gravity.csv + " must be that of the stored pixels' camera";
 }
 
+std::string RecordedRobot::ReducedNote() const {
+  if (!ReadsPhotos()) return "";
+  std::vector<PixelSize> sizes;
+  for (const ColmapImage& image : images_) {
+    const Camera& camera = model_.cameras.at(image.camera_id);
+    sizes.push_back({camera.width_px(), camera.height_px()});
+  }
+  return DescribeReduced(sizes);
+}
+
 std::vector<std::string> RecordedRobot::Notes() const {
   std::vector<std::string> notes;
-  for (std::string note : {PointsNote(), OrientationNote()}) {
+  for (std::string note : {model_.notice, PointsNote(), OrientationNote(), ReducedNote()}) {
     if (!note.empty()) notes.push_back(std::move(note));
   }
   return notes;

@@ -32,9 +32,9 @@ struct RecordingOptions {
 class RecordedRobot : public Robot {
  public:
   // `map` says the kinds and the frame. Checks every input that a query will need, so that no
-  // session is begun that cannot end: names, features, the database's kind, photos (there, and of
-  // the camera's size where the file's header tells), gravity. Error: what is wrong in which file,
-  // of how many images, and the cure; FAILED_PRECONDITION (DESCRIPTOR_KIND_MISMATCH) when the
+  // session is begun that cannot end: names, features, the database's kind, photos (there, whole,
+  // and of the camera's size where the file's header tells), gravity. Error: what is wrong in which
+  // file, of how many images, and the cure; FAILED_PRECONDITION (DESCRIPTOR_KIND_MISMATCH) when the
   // database's descriptors cannot become the map's.
   static Result<RecordedRobot> Open(const RecordingOptions& options, const MapInfo& map);
 
@@ -45,8 +45,8 @@ class RecordedRobot : public Robot {
   // From the model's points that the image observes; nullopt where it has none.
   std::optional<double> SceneDepth(int index) const override;
 
-  // What a person should know before the queries are sent, a sentence each: points left out,
-  // photos that are shown turned.
+  // What a person should know before the queries are sent, a sentence each: which form of the model
+  // was read, points left out, photos that are shown turned or whose features are found reduced.
   std::vector<std::string> Notes() const;
 
   // The file of an image; empty without `images`.
@@ -61,8 +61,10 @@ class RecordedRobot : public Robot {
   Status CheckInputs() const;
   Status CheckDatabase() const;
   Status CheckPhotos() const;
+  Status CheckPhotosWhole() const;
   std::string PointsNote() const;
   std::string OrientationNote() const;
+  std::string ReducedNote() const;
   bool WantsPoints() const { return !map_.point_descriptor.name.empty(); }
   bool WantsLines() const { return !map_.line_descriptor.name.empty(); }
   bool ReadsDatabase() const { return WantsPoints() && !options_.database.empty(); }

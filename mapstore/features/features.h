@@ -1,8 +1,10 @@
 // Keypoints and line segments with their descriptors, the same on both sides: the importer's photos
-// and the robot's. Deterministic; thread-safe. Pixels: centre of the first pixel at (0, 0).
+// and the robot's. Deterministic; thread-safe. Pixels: the image's own, centre of the first one at
+// (0, 0). Images above kMaxDetectionPixels are reduced for the detectors (detection_size.h).
 #pragma once
 
 #include "mapstore/base/status.h"
+#include "mapstore/features/detection_size.h"
 #include "mapstore/features/image.h"
 #include "mapstore/model/query.h"
 
@@ -13,8 +15,8 @@ struct PointDetectionOptions {
 };
 
 struct LineDetectionOptions {
-  int max_features = 1000;  // the longest are kept
-  double min_length_px = 20.0;
+  int max_features = 1000;      // the longest are kept
+  double min_length_px = 20.0;  // of the reduced image, where it is reduced
 };
 
 // The kind says the detector: "orb" -> ORB; "sift_root_u8" and "sift_u8" -> SIFT. UNIMPLEMENTED for

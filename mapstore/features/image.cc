@@ -13,12 +13,23 @@
 namespace maploc {
 namespace {
 
+// Of a picture that is read anyway all is looked at; a cut one may end like a whole one by chance.
 Status CheckEnd(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   if (!EndsEarly(bytes)) return Status::Ok();
   return Status(StatusCode::kInvalidArgument, std::string(kTruncatedImage),
                 path + ": is truncated: the file stops before the picture's end; copy it again");
+}
+
+std::string LastBytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = file.tellg();
+  std::string bytes(static_cast<std::size_t>(std::clamp<std::streamoff>(size, 0, kEndMarkBytes)),
+                    '\0');
+  file.seekg(-static_cast<std::streamoff>(bytes.size()), std::ios::end);
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return bytes;
 }
 
 // Sensors of 10, 12 and 14 bits are stored in the low bits of 16: the highest bit in use becomes
@@ -45,6 +56,13 @@ cv::Mat Decode(const std::string& path) {
 }
 
 }  // namespace
+
+Status CheckWhole(const std::string& path) {
+  if (!std::filesystem::is_regular_file(path) || EndsWithMark(LastBytes(path))) {
+    return Status::Ok();
+  }
+  return CheckEnd(path);
+}
 
 Result<GrayImage> LoadGrayImage(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) return InvalidFile(path, "is not there");

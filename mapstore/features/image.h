@@ -20,6 +20,10 @@ struct GrayImage {
 // The reason of an error that means a JPEG or PNG without its end.
 inline constexpr std::string_view kTruncatedImage = "TRUNCATED_IMAGE";
 
+// TRUNCATED_IMAGE, naming the file, for a JPEG or PNG that LoadGrayImage would refuse as cut.
+// Cheap: of a file that ends with an end mark no more than that is read. Ok where nothing is seen.
+Status CheckWhole(const std::string& path);
+
 // Any format OpenCV reads, as stored (an orientation tag is ignored: calibrations are of the stored
 // pixels). Of 16 bits a pixel the eight below the highest one in use are taken. Error: names the
 // file.

@@ -53,6 +53,11 @@ bool JpegEndsEarly(std::string_view bytes) {
 
 }  // namespace
 
+bool EndsWithMark(std::string_view last_bytes) {
+  constexpr std::string_view kPngEnd("\0\0\0\0IEND\xAE\x42\x60\x82", kEndMarkBytes);
+  return last_bytes.ends_with(kPngEnd) || last_bytes.ends_with("\xFF\xD9");
+}
+
 bool EndsEarly(std::string_view bytes) {
   if (bytes.starts_with(kPngSignature)) return PngEndsEarly(bytes);
   return bytes.starts_with(kJpegStart) && JpegEndsEarly(bytes);

@@ -10,4 +10,8 @@ namespace maploc {
 // and for all other formats. What follows the end (phones append videos) does not matter.
 bool EndsEarly(std::string_view bytes);
 
+// Whether the last kEndMarkBytes of a file end as a JPEG or a PNG does when nothing follows it.
+inline constexpr int kEndMarkBytes = 12;
+bool EndsWithMark(std::string_view last_bytes);
+
 }  // namespace maploc

@@ -6,6 +6,7 @@
 
 #include "mapstore/features/features.h"
 #include "mapstore/features/opencv_image.h"
+#include "mapstore/features/reduced_photo.h"
 
 namespace maploc {
 namespace {
@@ -76,16 +77,20 @@ LineFeatures Describe(const cv::Mat& image, const std::vector<cv::Vec4f>& segmen
 }  // namespace
 
 Result<LineFeatures> DetectLines(const GrayImage& image, const LineDetectionOptions& options) {
-  MAPLOC_ASSIGN_OR_RETURN(const cv::Mat view, ViewAsMat(image));
+  MAPLOC_ASSIGN_OR_RETURN(const ReducedPhoto photo, ReduceForDetection(image));
   if (options.max_features < 1) return InvalidArgument("max_features", "must be positive");
   if (!(options.min_length_px >= 1)) return InvalidArgument("min_length_px", "must be at least 1");
   MAPLOC_ASSIGN_OR_RETURN(const DescriptorKind kind, DescriptorKindFromName("lbd"));
   LineFeatures none;
   none.descriptors.kind = kind;
-  if (std::min(view.cols, view.rows) < kMinDetectionSidePx) return none;
+  if (std::min(photo.pixels.cols, photo.pixels.rows) < kMinDetectionSidePx) return none;
   try {
-    const std::vector<cv::Vec4f> segments = DetectSegments(view, options);
-    return segments.empty() ? none : Describe(view, segments, kind);
+    const std::vector<cv::Vec4f> segments = DetectSegments(photo.pixels, options);
+    if (segments.empty()) return none;
+    LineFeatures lines = Describe(photo.pixels, segments, kind);
+    photo.ToPhoto(lines.starts_px);
+    photo.ToPhoto(lines.ends_px);
+    return lines;
   } catch (const cv::Exception& error) {
     return Internal("line detection failed: " + error.err);
   }

@@ -7,6 +7,7 @@
 
 #include "mapstore/features/features.h"
 #include "mapstore/features/opencv_image.h"
+#include "mapstore/features/reduced_photo.h"
 
 namespace maploc {
 namespace {
@@ -99,7 +100,7 @@ PointFeatures DetectSift(const cv::Mat& image, const DescriptorKind& kind, int m
 
 Result<PointFeatures> DetectPoints(const GrayImage& image, const DescriptorKind& kind,
                                    const PointDetectionOptions& options) {
-  MAPLOC_ASSIGN_OR_RETURN(const cv::Mat view, ViewAsMat(image));
+  MAPLOC_ASSIGN_OR_RETURN(const ReducedPhoto photo, ReduceForDetection(image));
   if (options.max_features < 1) return InvalidArgument("max_features", "must be positive");
   const bool is_sift = kind.name == "sift_root_u8" || kind.name == "sift_u8";
   if (!is_sift && kind.name != "orb") {
@@ -109,14 +110,16 @@ Result<PointFeatures> DetectPoints(const GrayImage& image, const DescriptorKind&
                       "take the features from a database");
   }
   // OpenCV fails on images that have no room for a pyramid; no keypoint's surroundings fit there.
-  if (std::min(view.cols, view.rows) < kMinDetectionSidePx) {
+  if (std::min(photo.pixels.cols, photo.pixels.rows) < kMinDetectionSidePx) {
     PointFeatures none;
     none.descriptors.kind = kind;
     return none;
   }
   try {
-    return is_sift ? DetectSift(view, kind, options.max_features)
-                   : DetectOrb(view, kind, options.max_features);
+    PointFeatures points = is_sift ? DetectSift(photo.pixels, kind, options.max_features)
+                                   : DetectOrb(photo.pixels, kind, options.max_features);
+    photo.ToPhoto(points.keypoints_px);
+    return points;
   } catch (const cv::Exception& error) {
     return Internal("keypoint detection failed: " + error.err);
   }

@@ -21,7 +21,7 @@
 namespace maploc {
 namespace {
 
-constexpr double kAttachDistancePx = 1.0;
+constexpr double kAttachDistancePx = 1.0;  // of the photo as its features were found
 constexpr const char* kDefaultKind = "sift_root_u8";
 
 Status CheckOptions(const ColmapImportOptions& options) {
@@ -129,6 +129,7 @@ class Importer {
     report_.info.key = writer->key();
     report_.points = static_cast<std::int64_t>(points_.size());
     report_.lines = static_cast<std::int64_t>(lines_.size());
+    TellReduced();
     if (!truncated_.empty()) {
       report_.notices.push_back(DescribeTruncated(truncated_, frames_.size()));
     }
@@ -150,6 +151,7 @@ class Importer {
     if (options_.images_directory.empty() || (options_.gravity_in_source && !makes_lines)) {
       return Status::Ok();
     }
+    looked_at_photos_ = true;
     MAPLOC_ASSIGN_OR_RETURN(
         looks_, LookAtPhotos(options_.images_directory, MakeKeyFrames(model_, {}), progress_));
     truncated_.insert(looks_.truncated.begin(), looks_.truncated.end());
@@ -193,7 +195,18 @@ class Importer {
     return Status::Ok();
   }
 
+  void TellReduced() {
+    if (!looked_at_photos_) return;
+    std::vector<PixelSize> sizes;
+    for (const KeyFrame& frame : frames_) {
+      sizes.push_back({frame.camera.width_px(), frame.camera.height_px()});
+    }
+    const std::string text = DescribeReduced(sizes);
+    if (!text.empty()) report_.notices.push_back(text);
+  }
+
   Result<std::vector<PointFeatures>> DetectInPhotos(const DescriptorKind& kind) {
+    looked_at_photos_ = true;
     MAPLOC_ASSIGN_OR_RETURN(PhotoPoints detected,
                             DetectPhotoPoints(options_.images_directory, frames_, kind, progress_));
     truncated_.insert(detected.truncated.begin(), detected.truncated.end());
@@ -210,8 +223,8 @@ class Importer {
     MAPLOC_ASSIGN_OR_RETURN(const std::vector<PointFeatures> detected, DetectInPhotos(kind));
     std::vector<KeypointFeatures> features;
     for (std::size_t i = 0; i < frames_.size(); ++i) {
-      features.push_back(
-          AttachFeatures(model_.images.at(frames_[i].image_id), detected[i], kAttachDistancePx));
+      features.push_back(AttachFeatures(model_.images.at(frames_[i].image_id), detected[i],
+                                        kAttachDistancePx * frames_[i].FeaturePixel()));
     }
     return features;
   }
@@ -250,6 +263,7 @@ class Importer {
   ColmapImportReport report_;
   ColmapModel model_;
   PhotoLooks looks_;
+  bool looked_at_photos_ = false;
   std::set<std::string> truncated_;  // names of photos
   std::vector<KeyFrame> frames_;
   std::vector<PointTrack> points_;

@@ -44,7 +44,8 @@ struct ColmapImportReport {
   std::int64_t point_descriptors = 0;
   std::int64_t line_descriptors = 0;
   std::int64_t points_without_descriptor = 0;  // of the model, left out
-  std::vector<std::string> notices;  // what was read of two, photos left out; a sentence each
+  // What was read of two, photos reduced, photos left out; a sentence each.
+  std::vector<std::string> notices;
 };
 
 // Gives the store to write to; called once, when all else is done. The store outlives the import.

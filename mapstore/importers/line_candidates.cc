@@ -20,7 +20,7 @@ int CountBits(std::uint64_t x) {
 
 LineViews::LineViews(std::span<const KeyFrame> frames, std::span<const FrameLines> lines)
     : frames_(frames), lines_(lines) {
-  for (const KeyFrame& frame : frames) focal_px_.push_back(frame.camera.MeanFocalLengthPx());
+  for (const KeyFrame& frame : frames) focal_px_.push_back(frame.FocalLengthInFeaturePixels());
   for (const FrameLines& of_frame : lines) {
     std::vector<Words> words(of_frame.normalized.size());
     for (std::size_t i = 0; i < words.size(); ++i) {

@@ -25,6 +25,7 @@ struct FrameLines {
   Descriptors descriptors;  // one row a segment; Hamming
 };
 
+// Pixels are those of the photos as their features were found (KeyFrame::FeaturePixel).
 struct LineTriangulationOptions {
   int max_candidates = 10;             // of one segment in one neighbouring frame
   int max_descriptor_distance = 70;    // bits of 256 between views of one line

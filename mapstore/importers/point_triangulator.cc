@@ -71,7 +71,7 @@ class Triangulator {
       const auto& ray_b = rays_[ib][static_cast<std::size_t>(m.landmark)];
       if (!ray_a || !ray_b) continue;
       const double error =
-          EpipolarErrorPx(b_from_a, *ray_a, *ray_b, frames_[ib].camera.MeanFocalLengthPx());
+          EpipolarErrorPx(b_from_a, *ray_a, *ray_b, frames_[ib].FocalLengthInFeaturePixels());
       if (error <= options_.max_epipolar_error_px) {
         edges.push_back({m.ratio, {a, m.feature}, {b, m.landmark}});
       }
@@ -104,7 +104,7 @@ class Triangulator {
       views.push_back(
           {frame.camera_from_map,
            *rays_[static_cast<std::size_t>(ref.frame)][static_cast<std::size_t>(ref.feature)],
-           frame.camera.MeanFocalLengthPx()});
+           frame.FocalLengthInFeaturePixels()});
     }
     return views;
   }

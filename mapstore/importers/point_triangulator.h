@@ -11,6 +11,7 @@
 
 namespace maploc {
 
+// Pixels are those of the photos as their features were found (KeyFrame::FeaturePixel).
 struct PointTriangulationOptions {
   float max_ratio = 0.8f;  // of descriptor distances
   double max_epipolar_error_px = 3.0;

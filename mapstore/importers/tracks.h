@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "mapstore/features/detection_size.h"
 #include "mapstore/geometry/camera.h"
 #include "mapstore/geometry/line.h"
 #include "mapstore/geometry/rigid3.h"
@@ -24,6 +25,9 @@ struct KeyFrame {
   Eigen::Vector3d CenterInMap() const {
     return -(camera_from_map.rotation.conjugate() * camera_from_map.translation);
   }
+  // The photo's pixels to one of its features': 1, or more where it was reduced for the detectors.
+  double FeaturePixel() const { return DetectionPixel({camera.width_px(), camera.height_px()}); }
+  double FocalLengthInFeaturePixels() const { return camera.MeanFocalLengthPx() / FeaturePixel(); }
 };
 
 struct PointTrack {

@@ -64,6 +64,24 @@ TEST_F(FaultsTest, AReplayWithoutAllItsInputsBeginsNoSession) {
   EXPECT_EQ(Sessions().size(), before);
 }
 
+TEST_F(FaultsTest, ACutPhotoIsNamedAndBeginsNoSession) {
+  const std::size_t before = Sessions().size();
+  const std::string cut("\xff\xd8\xff\xe0\0\x04zz", 8);
+  WriteFile(folder_->File("cut.jpg"), cut);
+  ExpectFailed(RunBinary("maploc localize" + At() + "--map campus --image " +
+                         folder_->File("cut.jpg") + " " + OneCamera()),
+               "cut.jpg: is truncated");
+  std::filesystem::create_directories(folder_->File("photos/map"));
+  for (int i = 0; i < 180; ++i) {
+    const std::string number = std::to_string(10000 + i).substr(1);
+    WriteFile(folder_->File("photos/map/" + number), i < 2 ? cut : cut + "\xff\xd9");
+  }
+  const Output replay = RunBinary(Replay() + "--images " + folder_->File("photos"));
+  ExpectFailed(replay, "2 of 180 photos are truncated");
+  EXPECT_THAT(replay.error, HasSubstr("'map/0000', 'map/0001'"));
+  EXPECT_EQ(Sessions().size(), before);
+}
+
 TEST_F(FaultsTest, AnInterruptedReplayEndsItsSessionAndTellsItsId) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const std::size_t before = Sessions().size();

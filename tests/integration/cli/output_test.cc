@@ -96,5 +96,22 @@ TEST_F(OutputTest, APictureOnAFullDiskIsAFailure) {
                "--draw: ");
 }
 
+// A sensor's 12 bits in 16: the picture that is drawn is the one that features were found in.
+TEST_F(OutputTest, APictureOfTwelveBitsIsNotDrawnDark) {
+  const std::string photo = folder_->File("twelve.pgm");
+  std::string pixels;
+  for (int i = 0; i < 64 * 48; ++i) pixels += std::string("\x0f\xff", 2);
+  WriteFile(photo, "P5 64 48 65535\n" + pixels);
+  WriteFile(folder_->File("camera.txt"), "1 PINHOLE 64 48 50 50 32 24\n");
+  const Output run =
+      RunBinary("maploc localize" + At() + "--map campus --image " + photo + " --camera " +
+                folder_->File("camera.txt") + " --draw " + folder_->File("drawn.ppm"));
+  EXPECT_EQ(run.exit_code, 0) << run.error;
+  const std::string drawn = folder_->Read("drawn.ppm");
+  ASSERT_GT(drawn.size(), 64u * 48u * 3u);
+  // The first row, above the caption.
+  EXPECT_EQ(drawn.substr(drawn.size() - 64 * 48 * 3, 64 * 3), std::string(64 * 3, '\xff'));
+}
+
 }  // namespace
 }  // namespace maploc::testing

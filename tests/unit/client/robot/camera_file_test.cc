@@ -77,6 +77,35 @@ TEST_F(CameraFileTest, TheOnlyCameraIsEveryPhotos) {
   EXPECT_EQ(Read("photos/new.jpg", 1).status().reason(), "NO_CAMERA");
 }
 
+TEST_F(CameraFileTest, AnEurocFileIsToldByItsNameInAnyCase) {
+  for (const char* name : {"s.yaml", "s.yml", "s.YAML", "s.Yml"}) {
+    for (const char* mark : {"", "\xEF\xBB\xBF"}) {
+      for (const auto& [distortion, model] :
+           {std::pair("radial-tangential", CameraModel::kOpenCv),
+            std::pair("radtan", CameraModel::kOpenCv),
+            std::pair("equidistant", CameraModel::kOpenCvFisheye)}) {
+        folder_.Write(name, std::string(mark) +
+                                "camera_model: pinhole\nresolution: [640, 480]\n"
+                                "intrinsics: [500, 500, 320, 240]\ndistortion_model: " +
+                                distortion + "\ndistortion_coefficients: [0.01, 0, 0, 0]\n");
+        const Result<Camera> camera = ReadCameraFile({folder_.File(name), "a.jpg", std::nullopt});
+        ASSERT_TRUE(camera.ok()) << name << " " << distortion << camera.status().ToString();
+        EXPECT_EQ(camera->model(), model);
+      }
+    }
+  }
+}
+
+// As Windows' editors write them.
+TEST_F(CameraFileTest, AByteOrderMarkIsPassedOver) {
+  for (const char* name : {"cameras.txt", "images.txt"}) {
+    const std::string text = folder_.Read(name);
+    folder_.Write(name, "\xEF\xBB\xBF" + text.substr(text.find('\n') + 1));  // no comment first
+  }
+  EXPECT_EQ(Read("photos/left/a b.jpg")->width_px(), 200);
+  EXPECT_EQ(Read("photos/b.jpg", 1)->width_px(), 100);
+}
+
 // A camera that nobody asks for need not be one that maploc knows.
 TEST_F(CameraFileTest, AnErrorNamesTheLineAndOnlyTheWantedOneCounts) {
   folder_.Write("cameras.txt", Line(1) + "2 FOV 64 48 50 50 32 24 0.1\n");

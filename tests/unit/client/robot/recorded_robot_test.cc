@@ -1,5 +1,6 @@
 #include "client/robot/recorded_robot.h"
 
+#include <chrono>
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -7,6 +8,7 @@
 
 #include "client/robot/metrics.h"
 #include "mapstore/formats/colmap_writer.h"
+#include "tests/integration/tools/facade_model.h"
 #include "tests/support/files.h"
 
 namespace maploc {
@@ -150,7 +152,7 @@ TEST_F(RecordedRobotTest, SaysThatMeasuredGravityMustBeOfTheStoredPixels) {
   map_.line_descriptor = *DescriptorKindFromName("lbd");
   const std::string exif("Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0", 28);
   const std::string jpeg = "\xff\xd8\xff\xe1" + std::string("\0\x1e", 2) + exif +
-                           std::string("\xff\xc0\0\x08\x08\0\x30\0\x40\x01", 10);
+                           std::string("\xff\xc0\0\x08\x08\0\x30\0\x40\x01\xff\xd9", 12);
   folder_.Write("a", jpeg);
   folder_.Write("b", "P5 64 48 255\n" + std::string(64 * 48, '\x80'));
   EXPECT_TRUE(Open().Notes().empty());
@@ -177,6 +179,50 @@ TEST_F(RecordedRobotTest, APhotoOfAnotherSizeIsNoticedByItsHeader) {
   folder_.Write("a", png);
   folder_.Write("b", png);
   EXPECT_THAT(RecordedRobot::Open(options_, map_).status().message(), HasSubstr("a: is 48x64"));
+}
+
+// The decoder would fill them up with grey, or fail in the middle of a session.
+TEST_F(RecordedRobotTest, CutPhotosAreNamedAndRefusedBeforeAnySession) {
+  options_.database.clear();
+  options_.images = folder_.path();
+  map_.point_descriptor = *DescriptorKindFromName("orb");
+  const std::string frame("\xff\xd8\xff\xc0\0\x08\x08\0\x30\0\x40\x01", 12);
+  folder_.Write("a", frame + "\xff\xd9");
+  folder_.Write("b", frame);
+  const Status status = RecordedRobot::Open(options_, map_).status();
+  EXPECT_EQ(status.reason(), "TRUNCATED_IMAGE");
+  EXPECT_THAT(status.message(), HasSubstr("1 of 2 photos are truncated"));
+  EXPECT_THAT(status.message(), HasSubstr("'b'; copy them again"));
+  folder_.Write("b", frame + "\xff\xd9 and a phone's video");
+  EXPECT_TRUE(RecordedRobot::Open(options_, map_).ok());
+}
+
+TEST_F(RecordedRobotTest, TellsWhichFormOfAModelWasRead) {
+  ASSERT_TRUE(WriteColmapModel(folder_.path(), model_).ok());
+  EXPECT_TRUE(Open().Notes().empty());
+  testing::WriteBinaryModel(folder_.path(), model_);
+  const auto older = std::filesystem::file_time_type::clock::now() - std::chrono::hours(1);
+  for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"}) {
+    std::filesystem::last_write_time(folder_.File(name), older);
+  }
+  const RecordedRobot robot = Open();
+  ASSERT_EQ(robot.Notes().size(), 1u);
+  EXPECT_THAT(robot.Notes()[0], HasSubstr(".bin files were read"));
+}
+
+TEST_F(RecordedRobotTest, TellsOnceThatPhotosAreLarge) {
+  model_.cameras.at(1) =
+      *Camera::Create(CameraModel::kPinhole, 6000, 4000, {5000, 5000, 3000, 2000});
+  ASSERT_TRUE(WriteColmapModel(folder_.path(), model_).ok());
+  EXPECT_TRUE(Open().Notes().empty()) << "no photo is looked at";
+  options_.images = folder_.path();
+  map_.line_descriptor = *DescriptorKindFromName("lbd");
+  folder_.Write("a", "P5 6000 4000 255\n");
+  folder_.Write("b", "P5 6000 4000 255\n");
+  const RecordedRobot robot = Open();
+  ASSERT_EQ(robot.Notes().size(), 1u);
+  EXPECT_THAT(robot.Notes()[0], HasSubstr("2 of 2 photos are large"));
+  EXPECT_THAT(robot.Notes()[0], HasSubstr("6000x4000 at 2400x1600"));
 }
 
 TEST_F(RecordedRobotTest, RefusesAMapWhoseKindNoDetectorMakes) {

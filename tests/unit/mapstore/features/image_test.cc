@@ -68,6 +68,29 @@ TEST(LoadGrayImageTest, ACutPictureIsRefusedByName) {
   }
 }
 
+// Of whole files the end alone is read, of others as much as is needed.
+TEST(CheckWholeTest, SeesACutPictureWithoutDecodingIt) {
+  const testing::TemporaryFolder folder;
+  for (const std::string extension : {"jpg", "png"}) {
+    const std::string path = folder.File("photo." + extension);
+    cv::imwrite(path, Picture(CV_8UC1, 255));
+    const std::string whole = testing::ReadFile(path);
+    EXPECT_TRUE(CheckWhole(path).ok());
+    testing::WriteFile(path, whole + "a phone's video");
+    EXPECT_TRUE(CheckWhole(path).ok());
+    for (const std::size_t size : {whole.size() / 2, whole.size() - 1, std::size_t{9}}) {
+      testing::WriteFile(path, whole.substr(0, size));
+      const Status status = CheckWhole(path);
+      EXPECT_EQ(status.reason(), kTruncatedImage) << extension << " of " << size << " bytes";
+      EXPECT_THAT(status.message(), HasSubstr(path));
+    }
+  }
+  testing::WriteFile(folder.File("empty.jpg"), "");
+  for (const char* other : {"empty.jpg", "absent.jpg", "."}) {
+    EXPECT_TRUE(CheckWhole(folder.File(other)).ok()) << other << " is no cut picture";
+  }
+}
+
 TEST(LoadGrayImageTest, WhatFollowsAPictureAndAThumbnailInsideDoNotMatter) {
   const testing::TemporaryFolder folder;
   const std::string path = folder.File("photo.jpg");

@@ -194,6 +194,24 @@ TEST_F(ColmapImporterTest, TruncatedPhotosAreLeftOutAndNamed) {
   EXPECT_EQ(error.find('\n'), std::string::npos);
 }
 
+TEST_F(ColmapImporterTest, TellsOnceThatPhotosAreLarge) {
+  const Camera& small = model_.cameras.at(1);
+  std::vector<double> params = small.params();
+  for (double& value : params) value *= 3;
+  model_.cameras.at(1) = *Camera::Create(small.model(), 3000, 2400, params);
+  WriteFiles();
+  EXPECT_TRUE(Import()->notices.empty()) << "no photo is looked at";
+  options_.images_directory = folder_.path();
+  for (const auto& [id, image] : model_.images) {
+    folder_.Write(image.name, "P5 3000 2400 255\n" + std::string(7200000, 'a'));
+  }
+  const Result<ColmapImportReport> report = Import();
+  ASSERT_TRUE(report.ok()) << report.status().ToString();
+  ASSERT_EQ(report->notices.size(), 1u);
+  EXPECT_THAT(report->notices[0], HasSubstr("10 of 10 photos are large"));
+  EXPECT_THAT(report->notices[0], HasSubstr("(3000x2400 at 2190x1752)"));
+}
+
 TEST_F(ColmapImporterTest, AMapNameThatNoStoreTakesIsRefusedBeforeTheWork) {
   options_.model_directory = "/absent";  // would be the error if the work began
   options_.map_name = std::string(129, 'a');
