@@ -52,7 +52,7 @@ TEST(LocalizationPropertyTest, PosesAnywhereAreFoundAndNoneIsWrong) {
     ++localized;
     EXPECT_LT(PositionError(*answer, truth), 0.3) << "repetition " << repetition;
   }
-  EXPECT_GE(localized, 0.9 * kPoses);
+  EXPECT_GE(localized, kPoses - 2);
 }
 
 TEST(LocalizationPropertyTest, TheOrderOfFeaturesDoesNotMatter) {
