@@ -34,9 +34,7 @@ RefineOptions Mode(Refinement mode) {
   return options;
 }
 
-// A micrometre in a scene of ten metres is where the last step of a converged solver may stand.
 TEST(RefinePose, FindsTheExactPoseWithoutNoise) {
-  constexpr double kExact = 1e-6;
   Random random = TestRandom();
   for (const Refinement mode : {Refinement::kAuto, Refinement::k4Dof, Refinement::k6Dof}) {
     for (int i = 0; i < 30; ++i) {
@@ -47,8 +45,8 @@ TEST(RefinePose, FindsTheExactPoseWithoutNoise) {
           RefinePose(made.problem, Disturbed(made.camera_from_map, random), Mode(mode));
       ASSERT_TRUE(refined.converged);
       const PoseError error = ComparePoses(refined.camera_from_map, made.camera_from_map);
-      EXPECT_LT(error.rotation_rad, kExact) << RefinementName(mode);
-      EXPECT_LT(error.position, kExact);
+      EXPECT_LT(error.rotation_rad, 1e-7) << RefinementName(mode);
+      EXPECT_LT(error.position, 1e-7);
     }
   }
 }
