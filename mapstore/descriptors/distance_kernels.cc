@@ -301,20 +301,24 @@ void ComputeDistances(DescriptorMetric metric, int row_bytes, const std::uint8_t
   }
 }
 
-int FindBelow(const std::uint32_t* distances, int begin, int count, std::uint32_t bound) {
-  int index = begin;
-  for (; index < count && index % kChunkRows != 0; ++index) {
-    if (distances[index] < bound) return index;
-  }
+// Few rows pass the bound, which only falls, so that a row is compared with it once more when its
+// turn comes.
+void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, int count,
+                 Neighbours& nearest) {
   const hn::CappedTag<std::uint32_t, kChunkRows> d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto limit = hn::Set(d, bound);
-  for (; index < count; index += lanes) {
-    const auto below = hn::Lt(hn::Load(d, distances + index), limit);
-    const std::intptr_t first = hn::FindFirstTrue(d, below);
-    if (first >= 0) return index + static_cast<int>(first);
+  auto bound = hn::Set(d, nearest.second_distance);
+  for (int first = 0; first < count; first += static_cast<int>(hn::Lanes(d))) {
+    const auto below = hn::Lt(hn::Load(d, distances + first), bound);
+    if (hn::AllFalse(d, below)) continue;
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(d, below, bytes);
+    for (unsigned bits = bytes[0] | bytes[1] << 8; bits != 0; bits &= bits - 1) {
+      const int row = first + std::countr_zero(bits);
+      if (row >= count) break;
+      if (distances[row] < nearest.second_distance) nearest.Insert(landmarks[row], distances[row]);
+    }
+    bound = hn::Set(d, nearest.second_distance);
   }
-  return count;
 }
 
 const char* KernelTargetName() { return hwy::TargetName(HWY_TARGET); }
@@ -341,7 +345,7 @@ namespace {
 HWY_EXPORT(PackRows);
 HWY_EXPORT(PackQueries);
 HWY_EXPORT(ComputeDistances);
-HWY_EXPORT(FindBelow);
+HWY_EXPORT(KeepNearest);
 HWY_EXPORT(KernelTargetName);
 
 void PackRows(DescriptorMetric metric, const std::uint8_t* rows, int count, int row_bytes,
@@ -363,8 +367,9 @@ void ComputeDistances(DescriptorMetric metric, int row_bytes, const std::uint8_t
    distances);
 }
 
-int FindBelow(const std::uint32_t* distances, int begin, int count, std::uint32_t bound) {
-  return HWY_DYNAMIC_DISPATCH(FindBelow)(distances, begin, count, bound);
+void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, int count,
+                 Neighbours& nearest) {
+  HWY_DYNAMIC_DISPATCH(KeepNearest)(distances, landmarks, count, nearest);
 }
 
 const char* KernelTargetName() { return HWY_DYNAMIC_DISPATCH(KernelTargetName)(); }

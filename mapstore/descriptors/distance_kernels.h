@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "mapstore/descriptors/neighbours.h"
 #include "mapstore/model/descriptor.h"
 
 namespace maploc::kernels {
@@ -39,9 +40,10 @@ void ComputeDistances(DescriptorMetric metric, int row_bytes, const std::uint8_t
                       const std::int32_t* row_constants, int row_count, std::size_t row_stride,
                       std::uint32_t* distances);
 
-// The first index in [begin, count) with distances[index] < bound, else a number >= count. Reads up
-// to the next multiple of kChunkRows.
-int FindBelow(const std::uint32_t* distances, int begin, int count, std::uint32_t bound);
+// Inserts rows [0, count) into `nearest`, those in ascending order that can change it. Reads
+// distances up to the next multiple of kChunkRows; `landmarks` has one of each row.
+void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, int count,
+                 Neighbours& nearest);
 
 // The instruction set that runs, for reports: "AVX3_DL", "AVX2", ...
 const char* KernelTargetName();

@@ -41,36 +41,6 @@ struct Workspace {
   hwy::AlignedFreeUniquePtr<std::uint32_t[]> distances;
 };
 
-// Keeps the best two landmarks while rows arrive in ascending order. Strict comparisons let the
-// lower row win a tie.
-struct TopTwo {
-  Neighbours result;
-
-  // REQUIRES: distance < result.second_distance.
-  void Insert(std::int32_t landmark, std::uint32_t distance) {
-    const bool is_best = result.best < 0 || distance < result.best_distance;
-    if (landmark == result.best) {
-      result.best_distance = std::min(result.best_distance, distance);
-    } else if (is_best) {
-      if (result.best >= 0) result.second_distance = result.best_distance;
-      result.best = landmark;
-      result.best_distance = distance;
-    } else {
-      result.second_distance = distance;
-    }
-  }
-};
-
-void ScanRows(const std::uint32_t* distances, std::span<const std::int32_t> landmarks,
-              TopTwo& top) {
-  const int count = static_cast<int>(landmarks.size());
-  int row = kernels::FindBelow(distances, 0, count, top.result.second_distance);
-  while (row < count) {
-    top.Insert(landmarks[row], distances[row]);
-    row = kernels::FindBelow(distances, row + 1, count, top.result.second_distance);
-  }
-}
-
 void PackAllQueries(const Descriptors& queries, int blocks, Workspace& workspace) {
   const DescriptorKind& kind = queries.kind;
   for (int b = 0; b < blocks; ++b) {
@@ -84,8 +54,8 @@ void PackAllQueries(const Descriptors& queries, int blocks, Workspace& workspace
 
 // All queries against the rows of the packed tile.
 void SearchTile(const DescriptorKind& kind, std::span<const std::int32_t> landmarks, int tile_rows,
-                Workspace& workspace, std::span<TopTwo> tops) {
-  const int query_count = static_cast<int>(tops.size());
+                Workspace& workspace, std::span<Neighbours> nearest) {
+  const int query_count = static_cast<int>(nearest.size());
   for (int first = 0; first < query_count; first += kBlockQueries) {
     kernels::ComputeDistances(
         kind.metric, kind.bytes,
@@ -94,8 +64,9 @@ void SearchTile(const DescriptorKind& kind, std::span<const std::int32_t> landma
         workspace.row_constants.get(), static_cast<int>(landmarks.size()), tile_rows,
         workspace.distances.get());
     for (int q = 0; q < std::min(kBlockQueries, query_count - first); ++q) {
-      ScanRows(workspace.distances.get() + static_cast<std::size_t>(q) * tile_rows, landmarks,
-               tops[first + q]);
+      kernels::KeepNearest(workspace.distances.get() + static_cast<std::size_t>(q) * tile_rows,
+                           landmarks.data(), static_cast<int>(landmarks.size()),
+                           nearest[first + q]);
     }
   }
 }
@@ -181,17 +152,14 @@ std::vector<Neighbours> FindNeighbours(const Descriptors& queries, const Descrip
   const int blocks = (queries.size() + kBlockQueries - 1) / kBlockQueries;
   Workspace workspace(blocks, tile_rows, kind.bytes);
   PackAllQueries(queries, blocks, workspace);
-  std::vector<TopTwo> tops(queries.size());
+  std::vector<Neighbours> nearest(queries.size());
   for (int first = 0; first < database.size(); first += tile_rows) {
     const int rows = std::min(tile_rows, database.size() - first);
     kernels::PackRows(kind.metric, database.row(first).data(), rows, kind.bytes,
                       workspace.tile.get(), workspace.row_constants.get());
-    SearchTile(kind, row_landmark.subspan(first, rows), tile_rows, workspace, tops);
+    SearchTile(kind, row_landmark.subspan(first, rows), tile_rows, workspace, nearest);
   }
-  std::vector<Neighbours> neighbours(tops.size());
-  std::transform(tops.begin(), tops.end(), neighbours.begin(),
-                 [](const TopTwo& top) { return top.result; });
-  return neighbours;
+  return nearest;
 }
 
 std::vector<FeatureMatch> MatchDescriptors(const Descriptors& queries, const Descriptors& database,

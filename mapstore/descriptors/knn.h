@@ -6,19 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "mapstore/descriptors/neighbours.h"
 #include "mapstore/model/descriptor.h"
 #include "mapstore/model/matches.h"
 
 namespace maploc {
-
-// Best and second best landmark of one query descriptor. Distances: bits (Hamming), or squared
-// (L2).
-struct Neighbours {
-  std::int32_t best = -1;  // landmark; -1 when there are none
-  std::uint32_t best_distance = 0;
-  std::uint32_t second_distance =
-      UINT32_MAX;  // of the best row of ANOTHER landmark; UINT32_MAX when there is none
-};
 
 struct MatchOptions {
   float max_ratio = 0.8f;  // of distances (not squared): best <= max_ratio * second
