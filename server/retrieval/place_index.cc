@@ -6,6 +6,7 @@
 
 #include "mapstore/base/median.h"
 #include "server/retrieval/path_distance.h"
+#include "server/retrieval/representative_rows.h"
 
 namespace maploc {
 namespace {
@@ -30,7 +31,7 @@ struct RowRange {
   std::int32_t size() const { return end - begin; }
 };
 
-RowRange RowsOf(const PointLandmarks& points, std::int32_t landmark) {
+RowRange RowsOfLandmark(const PointLandmarks& points, std::int32_t landmark) {
   const auto& owners = points.descriptor_landmark;
   const auto [first, last] = std::equal_range(owners.begin(), owners.end(), landmark);
   return {static_cast<std::int32_t>(first - owners.begin()),
@@ -63,6 +64,7 @@ std::vector<Holding> SortedHoldings(std::span<const std::shared_ptr<const Segmen
 
 PlaceIndex PlaceIndex::Build(std::span<const std::shared_ptr<const Segment>> segments) {
   PlaceIndex index;
+  index.segment_rows_.resize(segments.size());
   const std::vector<Holding> holdings = SortedHoldings(segments);
   for (std::size_t i = 0; i < holdings.size();) {
     const PointLandmarks* richest = nullptr;
@@ -71,22 +73,31 @@ PlaceIndex PlaceIndex::Build(std::span<const std::shared_ptr<const Segment>> seg
     for (; i < holdings.size() && holdings[i].id == id; ++i) {
       index.holders_.push_back(holdings[i].segment);
       const PointLandmarks& points = segments[holdings[i].segment]->points;
-      const RowRange found = RowsOf(points, holdings[i].landmark);
+      const RowRange found = RowsOfLandmark(points, holdings[i].landmark);
       if (richest == nullptr || found.size() > rows.size()) {
         richest = &points;
         rows = found;
       }
     }
-    for (std::int32_t row = rows.begin; row < rows.end; ++row) {
-      const auto bytes = richest->descriptors.row(row);
-      index.descriptors_.bytes.insert(index.descriptors_.bytes.end(), bytes.begin(), bytes.end());
-    }
-    if (rows.size() > 0) index.descriptors_.kind = richest->descriptors.kind;
-    index.row_landmark_.insert(index.row_landmark_.end(), rows.size(), index.landmark_count());
+    index.AddRows(richest->descriptors,
+                  RepresentativeRows(richest->descriptors, rows.begin, rows.end));
     index.segment_begin_.push_back(static_cast<std::int32_t>(index.holders_.size()));
   }
   for (const auto& segment : segments) index.reach_.push_back(MedianReach(*segment));
   return index;
+}
+
+// Rows of the landmark whose holders were added last.
+void PlaceIndex::AddRows(const Descriptors& descriptors, const std::vector<int>& rows) {
+  if (!rows.empty()) descriptors_.kind = descriptors.kind;
+  const std::span<const std::int32_t> holders = std::span(holders_).subspan(segment_begin_.back());
+  for (const int row : rows) {
+    const auto bytes = descriptors.row(row);
+    for (const std::int32_t segment : holders)
+      segment_rows_[segment].push_back(descriptors_.size());
+    descriptors_.bytes.insert(descriptors_.bytes.end(), bytes.begin(), bytes.end());
+    row_landmark_.push_back(landmark_count());
+  }
 }
 
 std::span<const std::int32_t> PlaceIndex::SegmentsOf(std::int32_t landmark) const {

@@ -1,5 +1,5 @@
-// What place recognition searches: every distinct point landmark of a map version once, with the
-// segments that hold it.
+// What place recognition searches: every distinct point landmark of a map version once, described
+// by a few rows, with the segments that hold it.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,9 @@ namespace maploc {
 // Immutable after Build, hence thread-safe.
 class PlaceIndex {
  public:
-  // Landmarks shared by segments are taken once, from the one with most descriptor rows for it.
-  // Memory: the landmarks' descriptors once more, 4 bytes a row, and 4 bytes a landmark and segment
-  // holding it. REQUIRES: no null, one descriptor kind.
+  // Landmarks shared by segments are taken once, from the one with most descriptor rows for it,
+  // with their RepresentativeRows. Memory: these rows, 4 bytes a row, and 8 bytes a landmark and
+  // segment holding it. REQUIRES: no null, one descriptor kind.
   static PlaceIndex Build(std::span<const std::shared_ptr<const Segment>> segments);
 
   int landmark_count() const { return static_cast<int>(segment_begin_.size()) - 1; }
@@ -26,15 +26,21 @@ class PlaceIndex {
   std::span<const std::int32_t> row_landmark() const { return row_landmark_; }
   // Indices into Build's segments, ascending.
   std::span<const std::int32_t> SegmentsOf(std::int32_t landmark) const;
+  // The rows of descriptors() whose landmarks `segment` holds, ascending; an index into Build's
+  // segments.
+  std::span<const std::int32_t> RowsOf(int segment) const { return segment_rows_[segment]; }
   // How far off its path a segment can be seen from: the median distance from its landmarks to its
   // path (map unit); 0 without landmarks or path. `segment` is an index into Build's segments.
   double ReachOf(int segment) const { return reach_[segment]; }
 
  private:
+  void AddRows(const Descriptors& descriptors, const std::vector<int>& rows);
+
   Descriptors descriptors_;
   std::vector<std::int32_t> row_landmark_;
   std::vector<std::int32_t> segment_begin_ = {0};  // of each landmark in holders_, and the end
   std::vector<std::int32_t> holders_;
+  std::vector<std::vector<std::int32_t>> segment_rows_;
   std::vector<double> reach_;
 };
 

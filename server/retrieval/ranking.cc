@@ -24,9 +24,9 @@ Descriptors EvenSample(const Descriptors& all, int max_rows) {
   return sample;
 }
 
-std::int64_t CountRows(const std::vector<int>& candidates, Segments segments) {
+std::int64_t CountRows(const std::vector<int>& candidates, const PlaceIndex& places) {
   std::int64_t rows = 0;
-  for (const int s : candidates) rows += segments[s]->points.descriptors.size();
+  for (const int s : candidates) rows += std::ssize(places.RowsOf(s));
   return rows;
 }
 
@@ -73,19 +73,19 @@ std::vector<int> BestByDistance(std::vector<Candidate> near) {
 // Matching one by one costs the segments' overlap more than one search over the map, but its
 // ranking is better: landmarks that were mapped twice do not fail each other's ratio test.
 std::vector<int> RankByFeatures(const Descriptors& all_features, std::vector<int> candidates,
-                                Segments segments, const PlaceIndex& places,
+                                int segment_count, const PlaceIndex& places,
                                 const RetrievalOptions& options) {
-  const Descriptors features =
-      EvenSample(all_features, FeatureBudget(CountRows(candidates, segments), options));
-  const int segment_count = static_cast<int>(segments.size());
   if (static_cast<int>(candidates.size()) > options.max_shortlist) {
-    const std::vector<int> votes = CountVotes(features, places, segment_count, options.max_ratio);
+    const std::vector<int> votes = CountVotes(EvenSample(all_features, options.min_features),
+                                              places, segment_count, options.max_ratio);
     candidates = Best(std::move(candidates), options.max_shortlist, votes);
     std::sort(candidates.begin(), candidates.end());
   }
+  const Descriptors features =
+      EvenSample(all_features, FeatureBudget(CountRows(candidates, places), options));
   std::vector<double> scores(segment_count, 0.0);
   for (const int s : candidates) {
-    scores[s] = SegmentScore(features, *segments[s], options.max_ratio);
+    scores[s] = SegmentScore(features, places, s, options.max_ratio);
   }
   return Best(std::move(candidates), options.max_segments, scores);
 }
@@ -103,11 +103,18 @@ std::vector<int> CountVotes(const Descriptors& features, const PlaceIndex& place
   return votes;
 }
 
-double SegmentScore(const Descriptors& features, const Segment& segment, float max_ratio) {
-  const PointLandmarks& points = segment.points;
+double SegmentScore(const Descriptors& features, const PlaceIndex& places, int segment,
+                    float max_ratio) {
+  Descriptors rows{places.descriptors().kind, {}};
+  std::vector<std::int32_t> owners;
+  for (const std::int32_t row : places.RowsOf(segment)) {
+    const auto bytes = places.descriptors().row(row);
+    rows.bytes.insert(rows.bytes.end(), bytes.begin(), bytes.end());
+    owners.push_back(places.row_landmark()[row]);
+  }
   double score = 0.0;
-  for (const FeatureMatch& match : MatchDescriptors(
-           features, points.descriptors, points.descriptor_landmark, {.max_ratio = max_ratio})) {
+  for (const FeatureMatch& match :
+       MatchDescriptors(features, rows, owners, {.max_ratio = max_ratio})) {
     score += 1.0 - static_cast<double>(match.ratio);
   }
   return score;
@@ -125,7 +132,8 @@ std::vector<int> RankSegments(const PointFeatures& features, const std::optional
     for (const Candidate& candidate : near) candidates.push_back(candidate.segment);
   }
   if (candidates.size() <= 1) return candidates;
-  return RankByFeatures(features.descriptors, std::move(candidates), segments, places, options);
+  return RankByFeatures(features.descriptors, std::move(candidates),
+                        static_cast<int>(segments.size()), places, options);
 }
 
 }  // namespace maploc

@@ -15,11 +15,12 @@ namespace maploc {
 
 struct RetrievalOptions {
   int max_segments = 3;  // the answer's length at most
-  // Of the query that are matched, evenly spread over its order: as many as max_pairs allows
-  // (features x descriptor rows), between these bounds.
+  // Of the query that are matched with the shortlist, evenly spread over its order: as many as
+  // max_pairs allows (features x rows of the place index), between these bounds. CountVotes gets
+  // min_features.
   int max_features = 500;
   int min_features = 100;
-  std::int64_t max_pairs = 20'000'000;
+  std::int64_t max_pairs = 2'000'000;
   int max_shortlist = 16;   // segments that are matched one by one
   float max_ratio = 0.9f;   // of a match: nearest to second nearest landmark
   double max_sigmas = 4.0;  // farther from the prior (plus the segment's reach) is left out
@@ -41,8 +42,10 @@ std::vector<int> RankSegments(const PointFeatures& features, const std::optional
 std::vector<int> CountVotes(const Descriptors& features, const PlaceIndex& places,
                             int segment_count, float max_ratio);
 
-// Sum of (1 - ratio) over the mutual ratio matches of the features with the segment: a clear match
-// counts more than one that barely passes, and those are mostly false.
-double SegmentScore(const Descriptors& features, const Segment& segment, float max_ratio);
+// Sum of (1 - ratio) over the mutual ratio matches of the features with the segment's landmarks in
+// `places`: a clear match counts more than one that barely passes, and those are mostly false.
+// `segment` is an index into the segments that `places` was built from.
+double SegmentScore(const Descriptors& features, const PlaceIndex& places, int segment,
+                    float max_ratio);
 
 }  // namespace maploc

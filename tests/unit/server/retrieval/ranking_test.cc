@@ -127,9 +127,9 @@ TEST(SegmentScoreTest, TwinsInAnotherSegmentDoNotHideAPlace) {
   const std::vector<std::shared_ptr<const Segment>> segments = {wall(0), wall(1)};
   Descriptors seen = segments[0]->points.descriptors;
   for (std::uint8_t& byte : seen.bytes) byte ^= random.Below(4) == 0 ? 1 << random.Below(8) : 0;
-  const std::vector<int> votes = CountVotes(seen, PlaceIndex::Build(segments), 2, 0.8f);
-  EXPECT_EQ(votes[0], 0);
-  EXPECT_GT(SegmentScore(seen, *segments[0], 0.8f), 20.0);
+  const PlaceIndex places = PlaceIndex::Build(segments);
+  EXPECT_EQ(CountVotes(seen, places, 2, 0.8f)[0], 0);
+  EXPECT_GT(SegmentScore(seen, places, 0, 0.8f), 20.0);
 }
 
 TEST_F(RankingTest, AtABorderBothNeighboursAreCandidates) {
@@ -189,11 +189,12 @@ TEST(PlaceIndexTest, TakesTheRicherDescription) {
     }
     return std::shared_ptr<const Segment>(segment);
   };
-  const std::vector<std::shared_ptr<const Segment>> segments = {make(0, 1), make(1, 3)};
+  const std::vector<std::shared_ptr<const Segment>> segments = {make(0, 1), make(1, 2)};
   const PlaceIndex places = PlaceIndex::Build(segments);
   EXPECT_EQ(places.landmark_count(), 1);
   EXPECT_EQ(places.descriptors().bytes, segments[1]->points.descriptors.bytes);
-  EXPECT_THAT(places.row_landmark(), ElementsAre(0, 0, 0));
+  EXPECT_THAT(places.row_landmark(), ElementsAre(0, 0));
+  EXPECT_THAT(places.RowsOf(0), ElementsAre(0, 1));
 }
 
 TEST(PathDistanceTest, MeasuresToThePolylineNotToItsPoints) {
