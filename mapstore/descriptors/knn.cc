@@ -138,6 +138,19 @@ std::vector<NearestQuery> NearestQueries(const std::vector<std::int32_t>& landma
   return result;
 }
 
+// Erases the matches whose landmark has a nearer query than theirs. The way back is asked only for
+// landmarks that a match names: a small part of the database.
+void EraseOneWay(const Descriptors& queries, const Descriptors& database,
+                 std::span<const std::int32_t> row_landmark, std::vector<FeatureMatch>& matches) {
+  const std::vector<std::int32_t> landmarks = MatchedLandmarks(matches);
+  const std::vector<NearestQuery> nearest =
+      NearestQueries(landmarks, queries, database, row_landmark);
+  std::erase_if(matches, [&](const FeatureMatch& match) {
+    const auto at = std::lower_bound(landmarks.begin(), landmarks.end(), match.landmark);
+    return nearest[at - landmarks.begin()].query != match.feature;
+  });
+}
+
 }  // namespace
 
 std::vector<Neighbours> FindNeighbours(const Descriptors& queries, const Descriptors& database,
@@ -167,17 +180,26 @@ std::vector<FeatureMatch> MatchDescriptors(const Descriptors& queries, const Des
                                            const MatchOptions& options) {
   const std::vector<Neighbours> neighbours = FindNeighbours(queries, database, row_landmark);
   std::vector<FeatureMatch> matches = RatioMatches(neighbours, database.kind.metric, options);
-  if (!options.mutual) return matches;
-  // The way back is asked only for landmarks that a ratio match names: a small part of the
-  // database.
-  const std::vector<std::int32_t> landmarks = MatchedLandmarks(matches);
-  const std::vector<NearestQuery> nearest =
-      NearestQueries(landmarks, queries, database, row_landmark);
-  std::erase_if(matches, [&](const FeatureMatch& match) {
-    const auto at = std::lower_bound(landmarks.begin(), landmarks.end(), match.landmark);
-    return nearest[at - landmarks.begin()].query != match.feature;
-  });
+  if (options.mutual) EraseOneWay(queries, database, row_landmark, matches);
   return matches;
+}
+
+std::vector<FeatureMatch> MatchSome(const Descriptors& queries, std::span<const std::int32_t> asked,
+                                    const Descriptors& database,
+                                    std::span<const std::int32_t> row_landmark,
+                                    const MatchOptions& options) {
+  const std::vector<Neighbours> neighbours =
+      FindNeighbours(GatherRows(queries, asked), database, row_landmark);
+  std::vector<FeatureMatch> matches = RatioMatches(neighbours, database.kind.metric, options);
+  for (FeatureMatch& match : matches) match.feature = asked[match.feature];
+  if (options.mutual) EraseOneWay(queries, database, row_landmark, matches);
+  return matches;
+}
+
+std::uint32_t DescriptorDistance(DescriptorMetric metric, std::span<const std::uint8_t> a,
+                                 std::span<const std::uint8_t> b) {
+  assert(a.size() == b.size());
+  return kernels::Distance(metric, static_cast<int>(a.size()), a.data(), b.data());
 }
 
 }  // namespace maploc

@@ -28,4 +28,15 @@ std::vector<FeatureMatch> MatchDescriptors(const Descriptors& queries, const Des
                                            std::span<const std::int32_t> row_landmark,
                                            const MatchOptions& options = {});
 
+// Those of MatchDescriptors' matches whose features are `asked` (ascending), for their share of its
+// time: the mutual test is against all of `queries`.
+std::vector<FeatureMatch> MatchSome(const Descriptors& queries, std::span<const std::int32_t> asked,
+                                    const Descriptors& database,
+                                    std::span<const std::int32_t> row_landmark,
+                                    const MatchOptions& options = {});
+
+// Between two rows of one kind, as Neighbours' distances. REQUIRES: equal sizes.
+std::uint32_t DescriptorDistance(DescriptorMetric metric, std::span<const std::uint8_t> a,
+                                 std::span<const std::uint8_t> b);
+
 }  // namespace maploc

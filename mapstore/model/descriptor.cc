@@ -49,6 +49,16 @@ std::string ToText(const DescriptorKind& kind) {
   return "'" + kind.name + "' (" + std::to_string(kind.bytes) + " bytes, " + metric + " distance)";
 }
 
+Descriptors GatherRows(const Descriptors& all, std::span<const std::int32_t> indices) {
+  Descriptors rows{all.kind, {}};
+  rows.bytes.reserve(indices.size() * all.kind.bytes);
+  for (const std::int32_t index : indices) {
+    const std::span<const std::uint8_t> row = all.row(index);
+    rows.bytes.insert(rows.bytes.end(), row.begin(), row.end());
+  }
+  return rows;
+}
+
 Status CheckScale(const Descriptors& descriptors, std::string_view field) {
   const std::string& name = descriptors.kind.name;
   if ((name != "sift_root_u8" && name != "sift_u8") || descriptors.size() == 0) return Status::Ok();

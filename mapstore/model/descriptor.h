@@ -48,6 +48,9 @@ struct Descriptors {
   }
 };
 
+// The rows at `indices`, in their order. REQUIRES: each in [0, all.size()).
+Descriptors GatherRows(const Descriptors& all, std::span<const std::int32_t> indices);
+
 // INVALID_ARGUMENT (DESCRIPTOR_SCALE) where most rows cannot be what their kind's name says: both
 // kinds of SIFT have length 512 by definition, and those scaled otherwise (to 255, to 1) match a
 // third of what they should, without a word. Other kinds have no length. Looks at a sample.

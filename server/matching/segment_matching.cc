@@ -1,5 +1,7 @@
 #include "server/matching/segment_matching.h"
 
+#include "mapstore/base/even_sample.h"
+
 namespace maploc {
 namespace {
 
@@ -10,6 +12,13 @@ std::vector<FeatureMatch> MatchKind(const Descriptors& features, const Descripto
                           {.max_ratio = MaxRatio(landmarks.kind), .mutual = true});
 }
 
+// Lines that the segment does not describe in the view's kind give none.
+std::vector<FeatureMatch> MatchLines(const View& view, const Segment& segment) {
+  if (view.lines.descriptors.kind != segment.lines.descriptors.kind) return {};
+  return MatchKind(view.lines.descriptors, segment.lines.descriptors,
+                   segment.lines.descriptor_landmark);
+}
+
 }  // namespace
 
 float MaxRatio(const DescriptorKind& kind) {
@@ -18,15 +27,18 @@ float MaxRatio(const DescriptorKind& kind) {
 }
 
 Matches MatchSegment(const View& view, const Segment& segment) {
-  const bool comparable_lines = view.lines.descriptors.kind == segment.lines.descriptors.kind;
-  Matches matches;
-  matches.points = MatchKind(view.points.descriptors, segment.points.descriptors,
-                             segment.points.descriptor_landmark);
-  if (comparable_lines) {
-    matches.lines = MatchKind(view.lines.descriptors, segment.lines.descriptors,
-                              segment.lines.descriptor_landmark);
-  }
-  return matches;
+  return {MatchKind(view.points.descriptors, segment.points.descriptors,
+                    segment.points.descriptor_landmark),
+          MatchLines(view, segment)};
+}
+
+Matches MatchSample(const View& view, const Segment& segment, int point_count) {
+  const Descriptors& landmarks = segment.points.descriptors;
+  if (landmarks.size() == 0) return {{}, MatchLines(view, segment)};
+  return {MatchSome(view.points.descriptors,
+                    EvenSample(view.points.descriptors.size(), point_count), landmarks,
+                    segment.points.descriptor_landmark, {.max_ratio = MaxRatio(landmarks.kind)}),
+          MatchLines(view, segment)};
 }
 
 }  // namespace maploc

@@ -16,4 +16,8 @@ float MaxRatio(const DescriptorKind& kind);
 // empty). Deterministic; thread-safe.
 Matches MatchSegment(const View& view, const Segment& segment);
 
+// Those of MatchSegment's matches that an even sample of `point_count` points has, and all lines':
+// for a share of its time.
+Matches MatchSample(const View& view, const Segment& segment, int point_count);
+
 }  // namespace maploc

@@ -18,6 +18,8 @@
 namespace maploc {
 namespace {
 
+constexpr double kExplainsMost = 0.75;
+
 // The smallest samples of any strategy with gravity are two points, or a point and a line.
 bool CanDraw(const PoseProblem& problem) {
   if (!problem.has_gravity) return problem.points.size() >= 3;
@@ -129,12 +131,15 @@ struct Attempt {
   bool gravity_was_sent;  // `problem` may have it not, all the same
   Strategy strategy;
   bool fall_back;
+  std::optional<Consensus> known = std::nullopt;  // instead of RANSAC's
 };
 
 Found FindPose(const QueryContext& context, const Attempt& attempt, const PoseProblem& problem,
                bool fall_back, StageTimes& times) {
   Found found;
-  found.consensus = Estimate(context, attempt.entry, problem, attempt.strategy, fall_back, times);
+  found.consensus =
+      attempt.known ? *attempt.known
+                    : Estimate(context, attempt.entry, problem, attempt.strategy, fall_back, times);
   if (!found.consensus.found) return found;
   const Stopwatch watch(times.refinement_ms);
   found.pose = RefinePose(problem, found.consensus.camera_from_map, Refining(context));
@@ -221,6 +226,46 @@ Result<Localization> TryMatches(const QueryContext& context, const MapSnapshot::
   }
   told->evidence.iterations = spent;
   return *std::move(told);
+}
+
+Localization StartAnswer(const QueryContext& context, const MapSnapshot::Entry& entry,
+                         const MatchedProblem& matched) {
+  Localization answer;
+  answer.map = context.map.info.key;
+  answer.segment = entry.segment->id;
+  answer.strategy_source =
+      context.query.requested_strategy ? StrategySource::kRequested : entry.decision.source;
+  answer.predicted_success = entry.decision.predicted_success;
+  answer.matches = matched.matches;
+  answer.evidence = CountEvidence(matched.problem, RefinedPose());
+  answer.evidence.strategy = ChooseStrategy(context, entry.decision);
+  answer.point_match_inlier.assign(matched.problem.points.size(), 0);
+  answer.line_match_inlier.assign(matched.problem.lines.size(), 0);
+  answer.outcome = Outcome::kTooFewMatches;
+  return answer;
+}
+
+Result<Localization> RefineKnown(const QueryContext& context, const MapSnapshot::Entry& entry,
+                                 const PoseProblem& problem, const Localization& known,
+                                 const Localization& start, StageTimes& times) {
+  Consensus consensus;
+  consensus.found = true;
+  consensus.camera_from_map = context.view().camera_from_body * known.map_from_body->Inverse();
+  consensus.strategy = known.evidence.strategy;
+  consensus.fell_back = known.evidence.fell_back;
+  consensus.iterations = known.evidence.iterations;
+  const Attempt attempt{entry,
+                        problem,
+                        context.query.gravity.has_value(),
+                        consensus.strategy,
+                        /*fall_back=*/false,
+                        consensus};
+  int iterations = 0;
+  return TryStrategy(context, attempt, start, iterations, times);
+}
+
+bool ExplainsMost(const Evidence& evidence) {
+  return evidence.points.inliers >= kExplainsMost * static_cast<double>(evidence.points.matches);
 }
 
 }  // namespace maploc

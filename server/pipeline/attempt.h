@@ -9,6 +9,7 @@
 #include "mapstore/model/localization.h"
 #include "mapstore/model/matches.h"
 #include "mapstore/model/query.h"
+#include "server/matching/pose_problem.h"
 #include "server/pipeline/interrupt.h"
 #include "server/pipeline/localizer.h"
 #include "server/pipeline/map_snapshot.h"
@@ -45,5 +46,19 @@ Strategy ChooseStrategy(const QueryContext& context, const StrategyDecision& dec
 Result<Localization> TryMatches(const QueryContext& context, const MapSnapshot::Entry& entry,
                                 const PoseProblem& problem, bool fall_back,
                                 const Localization& start, int& iterations, StageTimes& times);
+
+// An answer about `entry`'s segment with its matches, without a pose as yet (TOO_FEW_MATCHES).
+Localization StartAnswer(const QueryContext& context, const MapSnapshot::Entry& entry,
+                         const MatchedProblem& matched);
+
+// Refines and judges the pose of `known`, which is LOCALIZED, with all matches of `problem` instead
+// of those that it was found with. Strategy and iterations stay `known`'s.
+Result<Localization> RefineKnown(const QueryContext& context, const MapSnapshot::Entry& entry,
+                                 const PoseProblem& problem, const Localization& known,
+                                 const Localization& start, StageTimes& times);
+
+// Whether the pose explains three quarters of the points' matches. Honest photos of a symmetric
+// front, day and dusk: 0.79 at least; mirrored ones 0.3 to 0.64 (server/trust/MEASUREMENTS.md).
+bool ExplainsMost(const Evidence& evidence);
 
 }  // namespace maploc

@@ -11,23 +11,18 @@
 #include "server/matching/pose_problem.h"
 #include "server/matching/segment_matching.h"
 #include "server/pipeline/attempt.h"
+#include "server/pipeline/coarse_to_fine.h"
 #include "server/pipeline/interrupt.h"
 #include "server/pipeline/joint_segment.h"
 #include "server/pipeline/query_check.h"
 #include "server/pipeline/stopwatch.h"
-#include "server/refinement/refine.h"
 #include "server/retrieval/ranking.h"
-#include "server/trust/judge.h"
 
 namespace maploc {
 namespace {
 
 // When a segment's matches are tried once more as if gravity had not been measured.
 enum class AgainstGravity { kNever, kIfInconsistent, kIfNotLocalized };
-
-// Of the points' matches. Honest photos of a symmetric front, day and dusk: 0.79 at least; mirrored
-// ones 0.3 to 0.64 (server/trust/MEASUREMENTS.md).
-constexpr double kExplainsMost = 0.75;
 
 std::vector<int> Rank(const QueryContext& context, const std::optional<PosePrior>& prior,
                       StageTimes& times) {
@@ -48,18 +43,6 @@ MatchedProblem Match(const QueryContext& context, const Segment& segment, StageT
       BuildPoseProblem(matches, context.view(), segment, context.query.gravity);
   matched.problem.shared_error_rad = context.map.info.shared_error_rad;
   return matched;
-}
-
-// An answer about `entry`'s segment without a pose as yet.
-Localization Begin(const QueryContext& context, const MapSnapshot::Entry& entry) {
-  Localization answer;
-  answer.map = context.map.info.key;
-  answer.segment = entry.segment->id;
-  answer.strategy_source =
-      context.query.requested_strategy ? StrategySource::kRequested : entry.decision.source;
-  answer.evidence.strategy = ChooseStrategy(context, entry.decision);
-  answer.predicted_success = entry.decision.predicted_success;
-  return answer;
 }
 
 bool IsTried(AgainstGravity when, Outcome outcome) {
@@ -109,11 +92,7 @@ Localization Weigh(Localization answer, Progress& progress) {
 // is left unexplained, as a mirrored photo leaves it.
 Localization UnlessMirrored(const QueryContext& context, const Segment& segment,
                             Localization answer, StageTimes& times) {
-  const FeatureCounts& points = answer.evidence.points;
-  if (answer.outcome != Outcome::kLocalized ||
-      points.inliers >= kExplainsMost * static_cast<double>(points.matches)) {
-    return answer;
-  }
+  if (answer.outcome != Outcome::kLocalized || ExplainsMost(answer.evidence)) return answer;
   const Stopwatch watch(times.matching_ms);
   if (!MatchesBetterMirrored(context.view(), segment)) return answer;
   return Withheld(std::move(answer), Outcome::kLowConfidence);
@@ -124,15 +103,12 @@ Localization UnlessMirrored(const QueryContext& context, const Segment& segment,
 Result<Localization> TrySegment(const QueryContext& context, const MapSnapshot::Entry& entry,
                                 AgainstGravity against_gravity, Progress& progress,
                                 StageTimes& times) {
-  MatchedProblem matched = Match(context, *entry.segment, times);
-  PoseProblem& problem = matched.problem;
-  Localization start = Begin(context, entry);
-  start.matches = std::move(matched.matches);
-  start.evidence = CountEvidence(problem, RefinedPose());
-  start.evidence.strategy = ChooseStrategy(context, entry.decision);
-  start.point_match_inlier.assign(problem.points.size(), 0);
-  start.line_match_inlier.assign(problem.lines.size(), 0);
-  start.outcome = Outcome::kTooFewMatches;
+  MAPLOC_ASSIGN_OR_RETURN(std::optional<Localization> quick,
+                          TryCoarseToFine(context, entry, progress.iterations, times));
+  if (quick) return Weigh(*std::move(quick), progress);
+  const MatchedProblem matched = Match(context, *entry.segment, times);
+  const PoseProblem& problem = matched.problem;
+  const Localization start = StartAnswer(context, entry, matched);
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
   // The next best strategies are as dear as an attempt without gravity, and tried where that is.
   const bool fall_back = against_gravity != AgainstGravity::kNever;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "mapstore/base/even_sample.h"
 #include "mapstore/descriptors/knn.h"
 #include "server/retrieval/path_distance.h"
 
@@ -11,17 +12,8 @@ namespace {
 
 using Segments = std::span<const std::shared_ptr<const Segment>>;
 
-// Every k-th row: features are often sorted by strength or by place, and a stride keeps the
-// mixture.
-Descriptors EvenSample(const Descriptors& all, int max_rows) {
-  if (all.size() <= max_rows) return all;
-  Descriptors sample{all.kind, {}};
-  for (int i = 0; i < max_rows; ++i) {
-    const auto row =
-        all.row(static_cast<int>(static_cast<std::int64_t>(i) * all.size() / max_rows));
-    sample.bytes.insert(sample.bytes.end(), row.begin(), row.end());
-  }
-  return sample;
+Descriptors EvenRows(const Descriptors& all, int max_rows) {
+  return GatherRows(all, EvenSample(all.size(), max_rows));
 }
 
 std::int64_t CountRows(const std::vector<int>& candidates, const PlaceIndex& places) {
@@ -76,13 +68,13 @@ std::vector<int> RankByFeatures(const Descriptors& all_features, std::vector<int
                                 int segment_count, const PlaceIndex& places,
                                 const RetrievalOptions& options) {
   if (static_cast<int>(candidates.size()) > options.max_shortlist) {
-    const std::vector<int> votes = CountVotes(EvenSample(all_features, options.min_features),
-                                              places, segment_count, options.max_ratio);
+    const std::vector<int> votes = CountVotes(EvenRows(all_features, options.min_features), places,
+                                              segment_count, options.max_ratio);
     candidates = Best(std::move(candidates), options.max_shortlist, votes);
     std::sort(candidates.begin(), candidates.end());
   }
   const Descriptors features =
-      EvenSample(all_features, FeatureBudget(CountRows(candidates, places), options));
+      EvenRows(all_features, FeatureBudget(CountRows(candidates, places), options));
   std::vector<double> scores(segment_count, 0.0);
   for (const int s : candidates) {
     scores[s] = SegmentScore(features, places, s, options.max_ratio);
@@ -105,11 +97,9 @@ std::vector<int> CountVotes(const Descriptors& features, const PlaceIndex& place
 
 double SegmentScore(const Descriptors& features, const PlaceIndex& places, int segment,
                     float max_ratio) {
-  Descriptors rows{places.descriptors().kind, {}};
+  const Descriptors rows = GatherRows(places.descriptors(), places.RowsOf(segment));
   std::vector<std::int32_t> owners;
   for (const std::int32_t row : places.RowsOf(segment)) {
-    const auto bytes = places.descriptors().row(row);
-    rows.bytes.insert(rows.bytes.end(), bytes.begin(), bytes.end());
     owners.push_back(places.row_landmark()[row]);
   }
   double score = 0.0;

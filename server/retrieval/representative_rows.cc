@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
-#include <span>
+
+#include "mapstore/base/even_sample.h"
+#include "mapstore/descriptors/knn.h"
 
 namespace maploc {
 namespace {
@@ -13,29 +15,16 @@ namespace {
 // Bounds the cost, which grows with the square of the rows.
 constexpr int kMaxRowsLookedAt = 16;
 
-double Distance(const Descriptors& descriptors, int a, int b) {
-  const std::span<const std::uint8_t> left = descriptors.row(a), right = descriptors.row(b);
-  std::uint32_t sum = 0;
-  if (descriptors.kind.metric == DescriptorMetric::kHamming) {
-    for (std::size_t i = 0; i < left.size(); ++i) {
-      sum += std::popcount(static_cast<unsigned>(left[i] ^ right[i]));
-    }
-    return sum;
-  }
-  for (std::size_t i = 0; i < left.size(); ++i) {
-    const int difference = left[i] - right[i];
-    sum += difference * difference;
-  }
-  return std::sqrt(static_cast<double>(sum));
-}
-
 // Distances between the rows that are looked at.
 class RowDistances {
  public:
   RowDistances(const Descriptors& descriptors, const std::vector<int>& rows) {
     for (std::size_t a = 0; a < rows.size(); ++a) {
       for (std::size_t b = 0; b < a; ++b) {
-        distance_[a][b] = distance_[b][a] = Distance(descriptors, rows[a], rows[b]);
+        const std::uint32_t distance = DescriptorDistance(
+            descriptors.kind.metric, descriptors.row(rows[a]), descriptors.row(rows[b]));
+        distance_[a][b] = distance_[b][a] =
+            descriptors.kind.metric == DescriptorMetric::kHamming ? distance : std::sqrt(distance);
       }
     }
   }
@@ -45,17 +34,11 @@ class RowDistances {
   std::array<std::array<double, kMaxRowsLookedAt>, kMaxRowsLookedAt> distance_{};
 };
 
-std::vector<int> EvenRows(int begin, int end) {
-  const int count = std::min(end - begin, kMaxRowsLookedAt);
-  std::vector<int> rows(count);
-  for (int i = 0; i < count; ++i) rows[i] = begin + i * (end - begin) / count;
-  return rows;
-}
-
 }  // namespace
 
 std::vector<int> RepresentativeRows(const Descriptors& descriptors, int begin, int end) {
-  const std::vector<int> rows = EvenRows(begin, end);
+  std::vector<int> rows = EvenSample(end - begin, kMaxRowsLookedAt);
+  for (int& row : rows) row += begin;
   const int count = static_cast<int>(rows.size());
   if (count <= kRepresentativeRows) return rows;
   const RowDistances distance(descriptors, rows);

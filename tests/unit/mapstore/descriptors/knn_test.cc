@@ -185,6 +185,36 @@ TEST_P(KnnTest, MutualMatchesAreNearestBothWays) {
   EXPECT_EQ(got, want);
 }
 
+// A part of the queries gets what it gets among all of them: the way back is against all.
+TEST_P(KnnTest, SomeQueriesMatchAsAmongAll) {
+  const Sides sides = MakeSides(GetParam());
+  const MatchOptions options{.max_ratio = 0.95f};
+  std::vector<std::int32_t> asked;
+  for (int q = 0; q < sides.queries.size(); q += 3) asked.push_back(q);
+  std::vector<std::pair<int, int>> want, got;
+  for (const FeatureMatch& m :
+       MatchDescriptors(sides.queries, sides.database, sides.owner, options)) {
+    if (m.feature % 3 == 0) want.emplace_back(m.feature, m.landmark);
+  }
+  for (const FeatureMatch& m :
+       MatchSome(sides.queries, asked, sides.database, sides.owner, options)) {
+    got.emplace_back(m.feature, m.landmark);
+  }
+  EXPECT_EQ(got, want);
+}
+
+TEST_P(KnnTest, ADistanceIsTheDefinitionsOnEveryInstructionSet) {
+  const Sides sides = MakeSides(GetParam());
+  const DescriptorKind& kind = sides.queries.kind;
+  ForEachTarget([&] {
+    for (int row = 0; row < sides.database.size(); ++row) {
+      const Descriptors one{kind, {sides.database.row(row).begin(), sides.database.row(row).end()}};
+      const auto naive = LandmarkDistances(sides.queries, 0, one, {7});
+      ASSERT_EQ(DescriptorDistance(kind.metric, sides.queries.row(0), one.row(0)), naive.at(7));
+    }
+  });
+}
+
 INSTANTIATE_TEST_SUITE_P(Shapes, KnnTest,
                          ::testing::Values(Case{DescriptorMetric::kHamming, 32, 67, 1203, 8},
                                            Case{DescriptorMetric::kHamming, 48, 5, 700, 8},
