@@ -1,8 +1,10 @@
 #include "mapstore/store/sqlite_database.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
+#include <stdexcept>
 #include <thread>
 
 #include <sqlite3.h>
@@ -73,6 +75,23 @@ Status IoFailed(const std::string& where, const std::string& what, int system_er
   }
   return Status(StatusCode::kUnavailable, "STORE_IO",
                 where + "input or output failed (" + what + "); check the disk");
+}
+
+std::logic_error WrongColumn(sqlite3_stmt* statement, std::string_view column) {
+  return std::logic_error("not exactly one column '" + std::string(column) + "' in " +
+                          sqlite3_sql(statement));
+}
+
+std::vector<std::string_view> ColumnNames(sqlite3_stmt* statement) {
+  std::vector<std::string_view> names(static_cast<std::size_t>(sqlite3_column_count(statement)));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    names[i] = sqlite3_column_name(statement, static_cast<int>(i));
+  }
+  std::vector<std::string_view> sorted = names;
+  std::ranges::sort(sorted);
+  const auto twice = std::ranges::adjacent_find(sorted);
+  if (twice != sorted.end()) throw WrongColumn(statement, *twice);
+  return names;
 }
 
 }  // namespace
@@ -154,7 +173,10 @@ SqliteStatement::SqliteStatement(SqliteDatabase& database, std::string_view sql)
   statement_.reset(statement);
 }
 
-void SqliteStatement::Reset() { sqlite3_reset(statement_.get()); }
+void SqliteStatement::Reset() {
+  sqlite3_reset(statement_.get());
+  columns_.clear();
+}
 
 void SqliteStatement::Keep(int result_code) {
   if (result_code_ == SQLITE_OK) result_code_ = result_code;
@@ -202,30 +224,42 @@ Status SqliteStatement::Run() {
   return Status::Ok();
 }
 
-bool SqliteStatement::IsNull(int column) const {
-  return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
+int SqliteStatement::IndexOf(ColumnName column) const {
+  if (next_ >= columns_.size() || columns_[next_].data() != column.text.data()) {
+    if (columns_.empty()) columns_ = ColumnNames(statement_.get());
+    if (next_ >= columns_.size() || columns_[next_] != column.text) {
+      next_ = static_cast<std::size_t>(std::ranges::find(columns_, column.text) - columns_.begin());
+    }
+    if (next_ == columns_.size()) throw WrongColumn(statement_.get(), column.text);
+    columns_[next_] = column.text;
+  }
+  return static_cast<int>(next_++);
 }
 
-std::int64_t SqliteStatement::Int(int column) const {
-  return sqlite3_column_int64(statement_.get(), column);
+bool SqliteStatement::IsNull(ColumnName column) const {
+  return sqlite3_column_type(statement_.get(), IndexOf(column)) == SQLITE_NULL;
 }
 
-double SqliteStatement::Real(int column) const {
-  return sqlite3_column_double(statement_.get(), column);
+std::int64_t SqliteStatement::Int(ColumnName column) const {
+  return sqlite3_column_int64(statement_.get(), IndexOf(column));
 }
 
-std::string SqliteStatement::Text(int column) const {
+double SqliteStatement::Real(ColumnName column) const {
+  return sqlite3_column_double(statement_.get(), IndexOf(column));
+}
+
+std::string SqliteStatement::Text(ColumnName column) const {
   const std::span<const std::uint8_t> bytes = Bytes(column);
   return std::string(bytes.begin(), bytes.end());
 }
 
-std::span<const std::uint8_t> SqliteStatement::Bytes(int column) const {
-  const auto* data =
-      static_cast<const std::uint8_t*>(sqlite3_column_blob(statement_.get(), column));
-  return {data, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
+std::span<const std::uint8_t> SqliteStatement::Bytes(ColumnName column) const {
+  const int index = IndexOf(column);
+  const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(statement_.get(), index));
+  return {data, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), index))};
 }
 
-std::vector<std::uint8_t> SqliteStatement::Blob(int column) const {
+std::vector<std::uint8_t> SqliteStatement::Blob(ColumnName column) const {
   const std::span<const std::uint8_t> bytes = Bytes(column);
   return {bytes.begin(), bytes.end()};
 }

@@ -62,6 +62,12 @@ class SqliteDatabase {
   std::unique_ptr<sqlite3, Close> handle_;
 };
 
+// A string literal: it can be compared by its address.
+struct ColumnName {
+  consteval ColumnName(const char* literal) : text(literal) {}  // NOLINT: implicit on purpose
+  std::string_view text;
+};
+
 // Failures of preparing and binding are kept and returned by the next Step or Run.
 class SqliteStatement {
  public:
@@ -91,21 +97,28 @@ class SqliteStatement {
     }
   }
 
-  // Columns count from 0. REQUIRES: Step gave a row.
-  bool IsNull(int column) const;
-  std::int64_t Int(int column) const;
-  std::int32_t Int32(int column) const { return static_cast<std::int32_t>(Int(column)); }
-  bool Bool(int column) const { return Int(column) != 0; }
-  double Real(int column) const;
-  std::string Text(int column) const;
-  std::span<const std::uint8_t> Bytes(int column) const;  // valid until the next Step
-  std::vector<std::uint8_t> Blob(int column) const;
+  // The column with this name (without the name of its table). Fastest in the order of the SELECT.
+  // Throws std::logic_error if no column has the name or two columns share one; both are errors of
+  // the program. REQUIRES: Step gave a row.
+  bool IsNull(ColumnName column) const;
+  std::int64_t Int(ColumnName column) const;
+  std::int32_t Int32(ColumnName column) const { return static_cast<std::int32_t>(Int(column)); }
+  bool Bool(ColumnName column) const { return Int(column) != 0; }
+  template <typename E>
+  E Enum(ColumnName column) const {
+    return static_cast<E>(Int(column));
+  }
+  double Real(ColumnName column) const;
+  std::string Text(ColumnName column) const;
+  std::span<const std::uint8_t> Bytes(ColumnName column) const;  // valid until the next Step
+  std::vector<std::uint8_t> Blob(ColumnName column) const;
 
  private:
   struct Finalize {
     void operator()(sqlite3_stmt* statement) const;
   };
   void Reset();
+  int IndexOf(ColumnName column) const;
   void Keep(int result_code);
   void BindOne(int index, std::int64_t value);
   void BindOne(int index, std::int32_t value) { BindOne(index, static_cast<std::int64_t>(value)); }
@@ -120,6 +133,10 @@ class SqliteStatement {
   SqliteDatabase& database_;
   std::unique_ptr<sqlite3_stmt, Finalize> statement_;
   int result_code_;  // the first failure, else SQLITE_OK
+  // The columns' names, from the first read to the next Bind: SQLite's, then the literals that read
+  // them, so that later rows compare only addresses.
+  mutable std::vector<std::string_view> columns_;
+  mutable std::size_t next_ = 0;  // the column after the last one read
 };
 
 class SqliteTransaction {

@@ -77,7 +77,7 @@ Result<bool> CheckPath(const std::string& path, bool create) {
 Result<std::int64_t> UserVersion(SqliteDatabase& database) {
   SqliteStatement statement(database, "PRAGMA user_version");
   MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
-  return row ? statement.Int(0) : 0;
+  return row ? statement.Int("user_version") : 0;
 }
 
 // In one transaction, so that a store is of one version or of the next. The application id is

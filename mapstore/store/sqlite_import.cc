@@ -42,9 +42,9 @@ Status InsertSegment(SqliteDatabase& database, std::int64_t map, const Segment& 
 
 Result<std::int64_t> NextVersion(SqliteDatabase& database, const std::string& name) {
   SqliteStatement statement(
-      database, "SELECT COALESCE(MAX(version), 0) + 1 FROM map_versions WHERE name = ?1");
+      database, "SELECT COALESCE(MAX(version), 0) + 1 AS next FROM map_versions WHERE name = ?1");
   MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Bind(name).Step());
-  return row ? statement.Int(0) : 1;
+  return row ? statement.Int("next") : 1;
 }
 
 Result<std::int64_t> InsertMap(SqliteDatabase& database, const MapInfo& info) {
@@ -91,14 +91,15 @@ Status DeleteImport(SqliteConnections& connections, std::int64_t map, ImportOwne
     MAPLOC_ASSIGN_OR_RETURN(auto writer, connections.Write());
     MAPLOC_ASSIGN_OR_RETURN(const bool may, MayDelete(connections, writer.database(), map, owner));
     if (!may) return Status::Ok();
-    SqliteStatement find(writer.database(), "SELECT MIN(segment) FROM segments WHERE map = ?1");
+    SqliteStatement find(writer.database(),
+                         "SELECT MIN(segment) AS first FROM segments WHERE map = ?1");
     MAPLOC_ASSIGN_OR_RETURN(const bool row, find.Bind(map).Step());
-    if (!row || find.IsNull(0)) {
+    if (!row || find.IsNull("first")) {
       SqliteStatement remove(writer.database(), "DELETE FROM map_versions WHERE id = ?1");
       MAPLOC_RETURN_IF_ERROR(remove.Bind(map).Run());
       return writer.Commit();
     }
-    const std::int64_t segment = find.Int(0);
+    const std::int64_t segment = find.Int("first");
     for (const char* sql : {"DELETE FROM segment_states WHERE map = ?1 AND segment = ?2",
                             "DELETE FROM inheritance WHERE map = ?1 AND segment = ?2",
                             "DELETE FROM segment_features WHERE map = ?1 AND segment = ?2",
@@ -229,7 +230,7 @@ class SqliteMapWriter : public MapWriter {
 Result<std::vector<std::int64_t>> UnpublishedMaps(SqliteConnections& connections) {
   MAPLOC_ASSIGN_OR_RETURN(auto reader, connections.Read());
   SqliteStatement statement(reader.database(), "SELECT id FROM map_versions WHERE state = 0");
-  return statement.Collect([](const SqliteStatement& row) { return row.Int(0); });
+  return statement.Collect([](const SqliteStatement& row) { return row.Int("id"); });
 }
 
 }  // namespace

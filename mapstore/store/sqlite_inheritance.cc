@@ -6,7 +6,8 @@ namespace maploc {
 namespace {
 
 Inheritance ShareAt(const SqliteStatement& row) {
-  return {row.Int(0), row.Int32(1), row.Int32(2), row.Real(3)};
+  return {row.Int("source_map"), row.Int32("source_segment"), row.Int32("segment"),
+          row.Real("weight")};
 }
 
 // What SharesBehind chooses of a version's shares, without reading them all. CROSS JOIN keeps
@@ -44,7 +45,7 @@ Result<std::vector<std::pair<std::int64_t, SegmentId>>> ReadHeirs(SqliteDatabase
                             "SELECT map, segment FROM inheritance WHERE source_map = ?1 AND "
                             "source_segment = ?2 ORDER BY map, segment");
   return statement.Bind(map, id).Collect(
-      [](const SqliteStatement& row) { return std::pair(row.Int(0), row.Int32(1)); });
+      [](const SqliteStatement& row) { return std::pair(row.Int("map"), row.Int32("segment")); });
 }
 
 Result<std::vector<TrueRow>> ReadTrueRows(SqliteDatabase& database, std::int64_t map,

@@ -17,35 +17,36 @@ std::string SelectMaps(std::string_view rest) {
          std::string(rest);
 }
 
-DescriptorKind KindAt(const SqliteStatement& row, int column) {
-  return {row.Text(column), row.Int32(column + 1),
-          static_cast<DescriptorMetric>(row.Int(column + 2))};
+DescriptorKind KindAt(const SqliteStatement& row, ColumnName kind, ColumnName bytes,
+                      ColumnName metric) {
+  return {row.Text(kind), row.Int32(bytes), row.Enum<DescriptorMetric>(metric)};
 }
 
-Similarity3 SimilarityAt(const SqliteStatement& row, int column) {
+Similarity3 SimilarityAt(const SqliteStatement& row) {
   Similarity3 transform;
-  transform.scale = row.Real(column);
-  transform.rotation = Eigen::Quaterniond(row.Real(column + 4), row.Real(column + 1),
-                                          row.Real(column + 2), row.Real(column + 3));
-  transform.translation = {row.Real(column + 5), row.Real(column + 6), row.Real(column + 7)};
+  transform.scale = row.Real("scale");
+  transform.rotation = Eigen::Quaterniond(row.Real("rotation_w"), row.Real("rotation_x"),
+                                          row.Real("rotation_y"), row.Real("rotation_z"));
+  transform.translation = {row.Real("translation_x"), row.Real("translation_y"),
+                           row.Real("translation_z")};
   return transform;
 }
 
 StoredMap MapAt(const SqliteStatement& row) {
   StoredMap map;
-  map.row_id = row.Int(0);
+  map.row_id = row.Int("id");
   MapInfo& info = map.summary.info;
-  info.key = {row.Text(1), row.Int(2)};
-  info.metric = row.Bool(3);
-  info.map_from_source = SimilarityAt(row, 4);
-  info.point_descriptor = KindAt(row, 12);
-  info.line_descriptor = KindAt(row, 15);
-  info.created_unix_ns = row.Int(18);
-  map.summary.segments = row.Int(19);
-  map.summary.points = row.Int(20);
-  map.summary.lines = row.Int(21);
-  map.summary.usable_lines = row.Int(22);
-  info.shared_error_rad = row.Real(23);
+  info.key = {row.Text("name"), row.Int("version")};
+  info.metric = row.Bool("metric");
+  info.map_from_source = SimilarityAt(row);
+  info.point_descriptor = KindAt(row, "point_kind", "point_kind_bytes", "point_kind_metric");
+  info.line_descriptor = KindAt(row, "line_kind", "line_kind_bytes", "line_kind_metric");
+  info.created_unix_ns = row.Int("created_unix_ns");
+  map.summary.segments = row.Int("segment_count");
+  map.summary.points = row.Int("point_count");
+  map.summary.lines = row.Int("line_count");
+  map.summary.usable_lines = row.Int("usable_line_count");
+  info.shared_error_rad = row.Real("shared_error_rad");
   return map;
 }
 
@@ -63,14 +64,14 @@ Result<FeatureBlobs> ReadFeatures(SqliteDatabase& database, std::int64_t map, Se
                   std::string(type == 1 ? "points" : "lines") + ": are missing");
   }
   FeatureBlobs blobs;
-  blobs.count = statement.Int(0);
-  blobs.descriptor_count = statement.Int(1);
-  blobs.checksum = static_cast<std::uint64_t>(statement.Int(2));
-  blobs.ids = statement.Blob(3);
-  blobs.geometry = statement.Blob(4);
-  blobs.owners = statement.Blob(5);
-  blobs.descriptors = statement.Blob(6);
-  blobs.viewing = statement.Blob(7);
+  blobs.count = statement.Int("landmark_count");
+  blobs.descriptor_count = statement.Int("descriptor_count");
+  blobs.checksum = static_cast<std::uint64_t>(statement.Int("checksum"));
+  blobs.ids = statement.Blob("ids");
+  blobs.geometry = statement.Blob("geometry");
+  blobs.owners = statement.Blob("owners");
+  blobs.descriptors = statement.Blob("descriptors");
+  blobs.viewing = statement.Blob("viewing");
   return blobs;
 }
 
@@ -116,27 +117,29 @@ Result<MapKey> ReadMapKey(SqliteDatabase& database, std::int64_t row_id) {
   SqliteStatement statement(database, "SELECT name, version FROM map_versions WHERE id = ?1");
   MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(row_id).Step());
   if (!found) return Internal("map row " + std::to_string(row_id) + " is missing");
-  return MapKey{statement.Text(0), statement.Int(1)};
+  return MapKey{statement.Text("name"), statement.Int("version")};
 }
 
 Result<SegmentSummary> ReadSegmentCounts(SqliteDatabase& database, const StoredMap& map,
                                          SegmentId id) {
-  SqliteStatement statement(database,
-                            "SELECT s.usable_line_count, s.path_count, s.path, "
-                            "(SELECT landmark_count FROM segment_features f "
-                            " WHERE f.map = s.map AND f.segment = s.segment AND f.type = 1), "
-                            "(SELECT landmark_count FROM segment_features f "
-                            " WHERE f.map = s.map AND f.segment = s.segment AND f.type = 2) "
-                            "FROM segments s WHERE s.map = ?1 AND s.segment = ?2");
+  SqliteStatement statement(
+      database,
+      "SELECT s.usable_line_count, s.path_count, s.path, "
+      "(SELECT landmark_count FROM segment_features f "
+      " WHERE f.map = s.map AND f.segment = s.segment AND f.type = 1) AS points, "
+      "(SELECT landmark_count FROM segment_features f "
+      " WHERE f.map = s.map AND f.segment = s.segment AND f.type = 2) AS lines "
+      "FROM segments s WHERE s.map = ?1 AND s.segment = ?2");
   MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(map.row_id, id).Step());
   if (!found) return UnknownSegment(map.key(), id);
   SegmentSummary summary;
   summary.id = id;
-  summary.usable_lines = statement.Int(0);
-  MAPLOC_ASSIGN_OR_RETURN(summary.path_in_map,
-                          DecodePositions(statement.Bytes(2), statement.Int(1), "path"));
-  summary.points = statement.Int(3);
-  summary.lines = statement.Int(4);
+  summary.usable_lines = statement.Int("usable_line_count");
+  MAPLOC_ASSIGN_OR_RETURN(
+      summary.path_in_map,
+      DecodePositions(statement.Bytes("path"), statement.Int("path_count"), "path"));
+  summary.points = statement.Int("points");
+  summary.lines = statement.Int("lines");
   return summary;
 }
 

@@ -21,8 +21,9 @@ struct Row {
 };
 
 Row RowAt(const SqliteStatement& row) {
-  const auto checksum = static_cast<std::uint64_t>(row.Int(1));
-  return {row.Int(0), static_cast<std::int64_t>(HashBefore(row.Bytes(2), checksum))};
+  const auto checksum = static_cast<std::uint64_t>(row.Int("checksum"));
+  return {row.Int("rowid"),
+          static_cast<std::int64_t>(HashBefore(row.Bytes("covariances"), checksum))};
 }
 
 }  // namespace

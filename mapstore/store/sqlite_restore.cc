@@ -64,11 +64,12 @@ Result<RestoredStore> CountWhatIsIn(const std::string& path) {
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase database,
                           SqliteDatabase::Open(path, SqliteAccess::kFileAlone, kBusyTimeoutMs));
   SqliteStatement count(database,
-                        "SELECT COUNT(DISTINCT name), COUNT(*), (SELECT COUNT(*) FROM sessions) "
+                        "SELECT COUNT(DISTINCT name) AS maps, COUNT(*) AS versions, (SELECT "
+                        "COUNT(*) FROM sessions) AS sessions "
                         "FROM map_versions WHERE state = 1");
   MAPLOC_ASSIGN_OR_RETURN(const bool row, count.Step());
   if (!row) return Internal(path + ": counts nothing");
-  return RestoredStore{count.Int(0), count.Int(1), count.Int(2)};
+  return RestoredStore{count.Int("maps"), count.Int("versions"), count.Int("sessions")};
 }
 
 // With the owner and the permissions of the file that it replaces: a restore by root must not shut

@@ -10,13 +10,13 @@ constexpr std::string_view kSessionColumns =
 
 Session SessionAt(const SqliteStatement& row) {
   Session session;
-  session.id = row.Text(0);
-  session.map = {row.Text(1), row.Int(2)};
-  session.robot = row.Text(3);
-  session.start_unix_ns = row.Int(4);
-  session.end_unix_ns = row.Int(5);
-  session.end = static_cast<SessionEnd>(row.Int(6));
-  session.revoked = row.Bool(7);
+  session.id = row.Text("id");
+  session.map = {row.Text("name"), row.Int("version")};
+  session.robot = row.Text("robot");
+  session.start_unix_ns = row.Int("start_unix_ns");
+  session.end_unix_ns = row.Int("end_unix_ns");
+  session.end = row.Enum<SessionEnd>("end");
+  session.revoked = row.Bool("revoked");
   return session;
 }
 
@@ -26,33 +26,33 @@ Status ReadLabels(SqliteDatabase& database, Session& session) {
   while (true) {
     MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
     if (!row) return Status::Ok();
-    session.labels[statement.Text(0)] = statement.Text(1);
+    session.labels[statement.Text("name")] = statement.Text("value");
   }
 }
 
-FeatureCounts CountsAt(const SqliteStatement& row, int column) {
-  return {row.Int32(column), row.Int32(column + 1)};
+FeatureCounts CountsAt(const SqliteStatement& row, ColumnName matches, ColumnName inliers) {
+  return {row.Int32(matches), row.Int32(inliers)};
 }
 
 Observation ObservationAt(const SqliteStatement& row) {
   Observation observation;
-  observation.sequence = row.Int(0);
-  observation.segment = row.Int32(1);
-  observation.outcome = static_cast<Outcome>(row.Int(2));
+  observation.sequence = row.Int("sequence");
+  observation.segment = row.Int32("segment");
+  observation.outcome = row.Enum<Outcome>("outcome");
   Evidence& evidence = observation.evidence;
-  evidence.points = CountsAt(row, 3);
-  evidence.usable_lines = CountsAt(row, 5);
-  evidence.vertical_lines = CountsAt(row, 7);
-  evidence.strategy = static_cast<Strategy>(row.Int(9));
-  evidence.fell_back = row.Bool(10);
-  evidence.iterations = row.Int32(11);
-  evidence.gravity_disagreement_rad = row.Real(12);
-  evidence.confidence = row.Real(13);
-  observation.total_ms = row.Real(14);
-  observation.time_unix_ns = row.Int(15);
-  evidence.inlier_rms_px = row.Real(16);
-  evidence.gravity_rejected = row.Bool(17);
-  evidence.gravity_tilt_rad = {row.Real(18), row.Real(19)};
+  evidence.points = CountsAt(row, "point_matches", "point_inliers");
+  evidence.usable_lines = CountsAt(row, "usable_line_matches", "usable_line_inliers");
+  evidence.vertical_lines = CountsAt(row, "vertical_line_matches", "vertical_line_inliers");
+  evidence.strategy = row.Enum<Strategy>("strategy");
+  evidence.fell_back = row.Bool("fell_back");
+  evidence.iterations = row.Int32("iterations");
+  evidence.gravity_disagreement_rad = row.Real("gravity_disagreement_rad");
+  evidence.confidence = row.Real("confidence");
+  observation.total_ms = row.Real("total_ms");
+  observation.time_unix_ns = row.Int("time_unix_ns");
+  evidence.inlier_rms_px = row.Real("inlier_rms_pixels");
+  evidence.gravity_rejected = row.Bool("gravity_rejected");
+  evidence.gravity_tilt_rad = {row.Real("gravity_tilt_x_rad"), row.Real("gravity_tilt_y_rad")};
   return observation;
 }
 
@@ -70,8 +70,8 @@ Status InsertObservation(SqliteStatement& insert, const SessionId& id, const Obs
 }
 
 SessionSummary::SegmentChange ChangeAt(const SqliteStatement& row) {
-  return {row.Int32(0), row.Int(1), row.Int(2), static_cast<Strategy>(row.Int(3)),
-          static_cast<Strategy>(row.Int(4))};
+  return {row.Int32("segment"), row.Int("queries"), row.Int("localized"),
+          row.Enum<Strategy>("strategy_before"), row.Enum<Strategy>("strategy_after")};
 }
 
 constexpr std::string_view kRowColumns =
@@ -79,24 +79,23 @@ constexpr std::string_view kRowColumns =
     "r.point_inliers, r.usable_line_matches, r.usable_line_inliers, r.vertical_line_matches, "
     "r.vertical_line_inliers, r.median_point_matches, r.median_usable_line_matches, "
     "r.median_vertical_line_matches";
-constexpr int kRowColumnCount = 14;
 
 SegmentSessionRow RowAt(const SqliteStatement& statement) {
   SegmentSessionRow row;
-  row.session = statement.Text(0);
-  row.session_start_unix_ns = statement.Int(1);
-  row.segment = statement.Int32(2);
-  row.queries = statement.Int(3);
-  row.localized = statement.Int(4);
-  row.point_matches = statement.Int(5);
-  row.point_inliers = statement.Int(6);
-  row.usable_line_matches = statement.Int(7);
-  row.usable_line_inliers = statement.Int(8);
-  row.vertical_line_matches = statement.Int(9);
-  row.vertical_line_inliers = statement.Int(10);
-  row.median_point_matches = statement.Real(11);
-  row.median_usable_line_matches = statement.Real(12);
-  row.median_vertical_line_matches = statement.Real(13);
+  row.session = statement.Text("session");
+  row.session_start_unix_ns = statement.Int("start_unix_ns");
+  row.segment = statement.Int32("segment");
+  row.queries = statement.Int("queries");
+  row.localized = statement.Int("localized");
+  row.point_matches = statement.Int("point_matches");
+  row.point_inliers = statement.Int("point_inliers");
+  row.usable_line_matches = statement.Int("usable_line_matches");
+  row.usable_line_inliers = statement.Int("usable_line_inliers");
+  row.vertical_line_matches = statement.Int("vertical_line_matches");
+  row.vertical_line_inliers = statement.Int("vertical_line_inliers");
+  row.median_point_matches = statement.Real("median_point_matches");
+  row.median_usable_line_matches = statement.Real("median_usable_line_matches");
+  row.median_vertical_line_matches = statement.Real("median_vertical_line_matches");
   return row;
 }
 
@@ -163,8 +162,8 @@ Result<SessionSummary> ReadSummary(SqliteDatabase& database, const Session& sess
   SqliteStatement totals(database, "SELECT queries, localized FROM sessions WHERE id = ?1");
   MAPLOC_ASSIGN_OR_RETURN(const bool found, totals.Bind(session.id).Step());
   if (!found) return UnknownSession(session.id);
-  summary.queries = totals.Int(0);
-  summary.localized = totals.Int(1);
+  summary.queries = totals.Int("queries");
+  summary.localized = totals.Int("localized");
   SqliteStatement changes(database,
                           "SELECT segment, queries, localized, strategy_before, strategy_after "
                           "FROM segment_sessions WHERE session = ?1 ORDER BY segment");
@@ -240,7 +239,7 @@ Result<std::vector<TrueRow>> ReadRows(SqliteDatabase& database, std::int64_t map
                                 "WHERE r.map = ?1 AND r.segment = ?2 AND s.revoked = 0 "
                                 "ORDER BY s.start_unix_ns, s.id");
   return statement.Bind(map, id).Collect([map](const SqliteStatement& row) {
-    return TrueRow{RowAt(row), map, row.Int(kRowColumnCount), row.Int(kRowColumnCount + 1)};
+    return TrueRow{RowAt(row), map, row.Int("end_unix_ns"), row.Int("options")};
   });
 }
 

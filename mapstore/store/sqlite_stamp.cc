@@ -28,7 +28,7 @@ Result<std::optional<std::int64_t>> ReadStamp(SqliteDatabase& database) {
   SqliteStatement statement(database, "SELECT value FROM meta WHERE name = ?1");
   MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(kStampName).Step());
   if (!found) return std::optional<std::int64_t>();
-  return std::optional<std::int64_t>(statement.Int(0));
+  return std::optional<std::int64_t>(statement.Int("value"));
 }
 
 Status EnsureStamp(SqliteDatabase& database) {
@@ -54,7 +54,7 @@ Result<StampInFile> ReadStampInFile(const std::string& path) {
   MAPLOC_ASSIGN_OR_RETURN(const bool found, page.Step());
   if (!found) return NotAStore(path, "has no table 'meta'");
   StampInFile result;
-  result.page = page.Int(0);
+  result.page = page.Int("rootpage");
   MAPLOC_ASSIGN_OR_RETURN(result.stamp, ReadStamp(file));
   return result;
 }

@@ -15,7 +15,6 @@ constexpr std::string_view kStateColumns =
     "d.typical_usable_line_matches, d.typical_vertical_line_matches, d.pinned, d.weighted_queries, "
     "d.weighted_localized, d.independent_points, d.independent_usable_lines, "
     "d.independent_vertical_lines, d.second_choice, d.third_choice";
-constexpr int kStateColumnCount = 24;
 // After those of version 1: half_life_sessions to cost_mixed.
 constexpr std::string_view kOptionColumns =
     "half_life_sessions, change_discount, independent_matches_per_query, min_localized_queries, "
@@ -23,9 +22,9 @@ constexpr std::string_view kOptionColumns =
     "independent_queries_per_session, criterion, max_iterations, two_points_good, two_points_bad, "
     "point_and_line_good, point_and_line_bad, point_and_verticals_good, point_and_verticals_bad";
 
-std::optional<Strategy> PinAt(const SqliteStatement& row, int column) {
+std::optional<Strategy> PinAt(const SqliteStatement& row, ColumnName column) {
   if (row.IsNull(column)) return std::nullopt;
-  return static_cast<Strategy>(row.Int(column));
+  return row.Enum<Strategy>(column);
 }
 
 std::optional<std::int64_t> NumberOf(const std::optional<Strategy>& pinned) {
@@ -35,52 +34,53 @@ std::optional<std::int64_t> NumberOf(const std::optional<Strategy>& pinned) {
 
 SegmentState StateAt(const SqliteStatement& row) {
   SegmentState state;
-  state.derived.decision = {static_cast<Strategy>(row.Int(0)),
-                            static_cast<StrategySource>(row.Int(1)),
-                            row.Text(2),
-                            row.Real(3),
-                            {static_cast<Strategy>(row.Int(0)), static_cast<Strategy>(row.Int(22)),
-                             static_cast<Strategy>(row.Int(23))}};
+  state.derived.decision = {row.Enum<Strategy>("strategy"),
+                            row.Enum<StrategySource>("source"),
+                            row.Text("reason"),
+                            row.Real("predicted_success"),
+                            {row.Enum<Strategy>("strategy"), row.Enum<Strategy>("second_choice"),
+                             row.Enum<Strategy>("third_choice")}};
   SegmentStatistics& statistics = state.derived.statistics;
-  statistics.sessions = row.Int(4);
-  statistics.queries = row.Int(5);
-  statistics.localized = row.Int(6);
-  statistics.point_matches = row.Real(7);
-  statistics.point_inliers = row.Real(8);
-  statistics.usable_line_matches = row.Real(9);
-  statistics.usable_line_inliers = row.Real(10);
-  statistics.vertical_line_matches = row.Real(11);
-  statistics.vertical_line_inliers = row.Real(12);
-  statistics.typical_point_matches = row.Real(13);
-  statistics.typical_usable_line_matches = row.Real(14);
-  statistics.typical_vertical_line_matches = row.Real(15);
-  state.pinned = PinAt(row, 16);
-  statistics.weighted_queries = row.Real(17);
-  statistics.weighted_localized = row.Real(18);
-  statistics.independent_points = row.Real(19);
-  statistics.independent_usable_lines = row.Real(20);
-  statistics.independent_vertical_lines = row.Real(21);
+  statistics.sessions = row.Int("sessions");
+  statistics.queries = row.Int("queries");
+  statistics.localized = row.Int("localized");
+  statistics.point_matches = row.Real("point_matches");
+  statistics.point_inliers = row.Real("point_inliers");
+  statistics.usable_line_matches = row.Real("usable_line_matches");
+  statistics.usable_line_inliers = row.Real("usable_line_inliers");
+  statistics.vertical_line_matches = row.Real("vertical_line_matches");
+  statistics.vertical_line_inliers = row.Real("vertical_line_inliers");
+  statistics.typical_point_matches = row.Real("typical_point_matches");
+  statistics.typical_usable_line_matches = row.Real("typical_usable_line_matches");
+  statistics.typical_vertical_line_matches = row.Real("typical_vertical_line_matches");
+  state.pinned = PinAt(row, "pinned");
+  statistics.weighted_queries = row.Real("weighted_queries");
+  statistics.weighted_localized = row.Real("weighted_localized");
+  statistics.independent_points = row.Real("independent_points");
+  statistics.independent_usable_lines = row.Real("independent_usable_lines");
+  statistics.independent_vertical_lines = row.Real("independent_vertical_lines");
   return state;
 }
 
-SelectorOptions OptionsAt(const SqliteStatement& row, int column) {
+SelectorOptions OptionsAt(const SqliteStatement& row) {
   SelectorOptions options;
-  options.statistics.half_life_sessions = row.Real(column);
-  options.statistics.change_discount = row.Real(column + 1);
-  options.statistics.independent_matches_per_query = row.Real(column + 2);
-  options.min_localized_queries = row.Int(column + 3);
-  options.prior_matches = row.Real(column + 4);
-  options.prior_inlier_ratio = row.Real(column + 5);
-  options.hysteresis = row.Real(column + 6);
-  options.cost_1p1l = row.Real(column + 7);
-  options.cost_2p = row.Real(column + 8);
-  options.cost_mixed = row.Real(column + 9);
-  options.statistics.independent_queries_per_session = row.Real(column + 10);
-  options.criterion = static_cast<StrategyCriterion>(row.Int(column + 11));
-  options.max_iterations = row.Int(column + 12);
-  options.yields.two_points = {row.Real(column + 13), row.Real(column + 14)};
-  options.yields.point_and_line = {row.Real(column + 15), row.Real(column + 16)};
-  options.yields.point_and_verticals = {row.Real(column + 17), row.Real(column + 18)};
+  options.statistics.half_life_sessions = row.Real("half_life_sessions");
+  options.statistics.change_discount = row.Real("change_discount");
+  options.statistics.independent_matches_per_query = row.Real("independent_matches_per_query");
+  options.min_localized_queries = row.Int("min_localized_queries");
+  options.prior_matches = row.Real("prior_matches");
+  options.prior_inlier_ratio = row.Real("prior_inlier_ratio");
+  options.hysteresis = row.Real("hysteresis");
+  options.cost_1p1l = row.Real("cost_1p1l");
+  options.cost_2p = row.Real("cost_2p");
+  options.cost_mixed = row.Real("cost_mixed");
+  options.statistics.independent_queries_per_session = row.Real("independent_queries_per_session");
+  options.criterion = row.Enum<StrategyCriterion>("criterion");
+  options.max_iterations = row.Int("max_iterations");
+  options.yields.two_points = {row.Real("two_points_good"), row.Real("two_points_bad")};
+  options.yields.point_and_line = {row.Real("point_and_line_good"), row.Real("point_and_line_bad")};
+  options.yields.point_and_verticals = {row.Real("point_and_verticals_good"),
+                                        row.Real("point_and_verticals_bad")};
   return options;
 }
 
@@ -89,7 +89,7 @@ Result<SelectorOptions> ReadOptions(SqliteDatabase& database, std::int64_t id) {
       database, "SELECT " + std::string(kOptionColumns) + " FROM selector_options WHERE id = ?1");
   MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(id).Step());
   if (!found) return Internal("selector options " + std::to_string(id) + " are missing");
-  return OptionsAt(statement, 0);
+  return OptionsAt(statement);
 }
 
 // `options` becomes the row of the last pin's options.
@@ -102,8 +102,8 @@ Status ReadPins(SqliteDatabase& database, std::int64_t map, SegmentId id, std::v
   while (true) {
     MAPLOC_ASSIGN_OR_RETURN(const bool row, statement.Step());
     if (!row) return Status::Ok();
-    pins.push_back({statement.Int(0), PinAt(statement, 1)});
-    options = statement.Int(2);
+    pins.push_back({statement.Int("time_unix_ns"), PinAt(statement, "strategy")});
+    options = statement.Int("options");
   }
 }
 
@@ -143,7 +143,7 @@ Result<std::vector<std::pair<std::int64_t, SegmentId>>> SegmentsWithTruth(
                             "SELECT map, segment FROM pins UNION "
                             "SELECT map, segment FROM inheritance ORDER BY 1, 2");
   return statement.Collect(
-      [](const SqliteStatement& row) { return std::pair(row.Int(0), row.Int32(1)); });
+      [](const SqliteStatement& row) { return std::pair(row.Int("map"), row.Int32("segment")); });
 }
 
 }  // namespace
@@ -179,7 +179,7 @@ Result<SegmentState> ReadSegmentState(SqliteDatabase& database, std::int64_t map
     return DeriveState(nothing);
   }
   SegmentState state = StateAt(statement);
-  state.options = OptionsAt(statement, kStateColumnCount);
+  state.options = OptionsAt(statement);
   return state;
 }
 
@@ -202,7 +202,7 @@ Result<std::int64_t> OptionsRow(SqliteDatabase& database, const SelectorOptions&
   SqliteStatement find(database, "SELECT id FROM selector_options WHERE (" + columns +
                                      ") = " + std::string(kParameters));
   MAPLOC_ASSIGN_OR_RETURN(const bool found, bind(find).Step());
-  if (found) return find.Int(0);
+  if (found) return find.Int("id");
   SqliteStatement insert(database, "INSERT INTO selector_options (" + columns + ") VALUES " +
                                        std::string(kParameters));
   MAPLOC_RETURN_IF_ERROR(bind(insert).Run());
@@ -234,7 +234,7 @@ Result<SegmentState> DeriveAnew(SqliteDatabase& database, std::int64_t map, Segm
 Result<bool> IsStale(SqliteDatabase& database) {
   SqliteStatement kept(database, "SELECT value FROM meta WHERE name = 'derivation_fingerprint'");
   MAPLOC_ASSIGN_OR_RETURN(const bool found, kept.Step());
-  return !found || kept.Int(0) != DerivationFingerprint();
+  return !found || kept.Int("value") != DerivationFingerprint();
 }
 
 Status DeriveAllAnew(SqliteDatabase& database) {

@@ -202,7 +202,7 @@ Result<std::int64_t> SqliteStore::ChangeCounter() const {
                             "SELECT value FROM meta WHERE name = 'change_counter'");
   MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Step());
   if (!found) return Internal(connections_->path() + ": the change counter is missing");
-  return statement.Int(0);
+  return statement.Int("value");
 }
 
 Status SqliteStore::Verify() const { return VerifySqliteStore(*connections_); }

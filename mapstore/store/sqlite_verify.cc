@@ -24,14 +24,15 @@ std::string NameOf(const StoredMap& map, SegmentId id) {
 Status CheckIntegrity(SqliteDatabase& database) {
   SqliteStatement integrity(database, "PRAGMA integrity_check(1)");
   MAPLOC_ASSIGN_OR_RETURN(const bool row, integrity.Step());
-  if (!row || integrity.Text(0) != "ok") {
-    return Broken(database, "the file is damaged (" + (row ? integrity.Text(0) : "") + ")");
+  if (!row || integrity.Text("integrity_check") != "ok") {
+    return Broken(database,
+                  "the file is damaged (" + (row ? integrity.Text("integrity_check") : "") + ")");
   }
   SqliteStatement keys(database, "PRAGMA foreign_key_check");
   MAPLOC_ASSIGN_OR_RETURN(const bool orphan, keys.Step());
   if (orphan) {
-    return Broken(database,
-                  "a row of table " + keys.Text(0) + " points to a missing row of " + keys.Text(2));
+    return Broken(database, "a row of table " + keys.Text("table") +
+                                " points to a missing row of " + keys.Text("parent"));
   }
   return Status::Ok();
 }
@@ -83,9 +84,9 @@ Status CheckInheritance(SqliteDatabase& database, const StoredMap& map) {
 }
 
 Status CheckMap(SqliteDatabase& database, const StoredMap& map) {
-  SqliteStatement count(database, "SELECT COUNT(*) FROM segments WHERE map = ?1");
+  SqliteStatement count(database, "SELECT COUNT(*) AS count FROM segments WHERE map = ?1");
   MAPLOC_ASSIGN_OR_RETURN(const bool row, count.Bind(map.row_id).Step());
-  if (!row || count.Int(0) != map.summary.segments) {
+  if (!row || count.Int("count") != map.summary.segments) {
     return Broken(database, NameOf(map) + ": its count of segments is wrong");
   }
   LandmarkCounter counter;

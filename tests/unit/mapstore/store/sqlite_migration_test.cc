@@ -91,8 +91,9 @@ class SqliteMigrationTest : public SqliteStoreTest {
     for (int i = 0; i < 24 * 120; ++i) covariances.push_back(static_cast<char>(31 * i + 7));
     SqliteStatement points(old, "SELECT segment, checksum FROM segment_features WHERE type = 1");
     const auto checksums = points.Collect([&](const SqliteStatement& row) {
-      const auto without = static_cast<std::uint64_t>(row.Int(1));
-      return std::pair(row.Int(0), static_cast<std::int64_t>(HashBytes(covariances, without)));
+      const auto without = static_cast<std::uint64_t>(row.Int("checksum"));
+      return std::pair(row.Int("segment"),
+                       static_cast<std::int64_t>(HashBytes(covariances, without)));
     });
     for (const auto& [segment, checksum] : checksums.value()) {
       SqliteStatement give(old,

@@ -31,7 +31,7 @@ class SqliteStoreTest : public ::testing::Test {
     auto database = SqliteDatabase::Open(path_, SqliteAccess::kRead, 1000);
     SqliteStatement statement(*database, "SELECT COUNT(*) FROM " + table);
     EXPECT_TRUE(statement.Step().value());
-    return statement.Int(0);
+    return statement.Int("COUNT(*)");
   }
   // Opening fails, names the file, and leaves its bytes and its folder as they were.
   Status ExpectRefused() {
