@@ -103,9 +103,6 @@ Localization UnlessMirrored(const QueryContext& context, const Segment& segment,
 Result<Localization> TrySegment(const QueryContext& context, const MapSnapshot::Entry& entry,
                                 AgainstGravity against_gravity, Progress& progress,
                                 StageTimes& times) {
-  MAPLOC_ASSIGN_OR_RETURN(std::optional<Localization> quick,
-                          TryCoarseToFine(context, entry, progress.iterations, times));
-  if (quick) return Weigh(*std::move(quick), progress);
   const MatchedProblem matched = Match(context, *entry.segment, times);
   const PoseProblem& problem = matched.problem;
   const Localization start = StartAnswer(context, entry, matched);
@@ -165,12 +162,16 @@ Result<Localization> TryBeyondFirst(const QueryContext& context, const std::vect
 // query counts in exactly one segment.
 Result<Localization> TrySegments(const QueryContext& context, const std::vector<int>& ranked,
                                  Progress& progress, StageTimes& times) {
+  const MapSnapshot::Entry& best = context.map.segments[ranked.front()];
+  MAPLOC_ASSIGN_OR_RETURN(std::optional<Localization> quick,
+                          TryCoarseToFine(context, best, progress.iterations, times));
+  if (quick) quick = Weigh(*std::move(quick), progress);
+  if (quick && quick->outcome == Outcome::kLocalized) return *std::move(quick);
   const bool alone = ranked.size() == 1;
-  MAPLOC_ASSIGN_OR_RETURN(
-      Localization first,
-      TrySegment(context, context.map.segments[ranked.front()],
-                 alone ? AgainstGravity::kIfNotLocalized : AgainstGravity::kIfInconsistent,
-                 progress, times));
+  MAPLOC_ASSIGN_OR_RETURN(Localization first, TrySegment(context, best,
+                                                         alone ? AgainstGravity::kIfNotLocalized
+                                                               : AgainstGravity::kIfInconsistent,
+                                                         progress, times));
   if (first.outcome == Outcome::kLocalized || alone) return first;
   Result<Localization> other = TryBeyondFirst(context, ranked, progress, times);
   if (!other.ok() && !IsOutOfTime(other.status())) return other.status();
