@@ -1,6 +1,7 @@
-// Keypoints and line segments with their descriptors, the same on both sides: the importer's photos
-// and the robot's. Deterministic; thread-safe. Pixels: the image's own, centre of the first one at
-// (0, 0). Images above kMaxDetectionPixels are reduced for the detectors (detection_size.h).
+// Detects keypoints and line segments and computes their descriptors. The importer and the robot
+// use the same functions, so that their descriptors are comparable. Deterministic; thread-safe.
+// Positions are in pixels of the image as given; the centre of its first pixel is (0, 0). An image
+// of more than kMaxDetectionPixels is reduced before detection (detection_size.h).
 #pragma once
 
 #include "mapstore/base/status.h"
@@ -16,12 +17,12 @@ struct PointDetectionOptions {
 
 struct LineDetectionOptions {
   int max_features = 1000;      // the longest are kept
-  double min_length_px = 20.0;  // of the reduced image, where it is reduced
+  double min_length_px = 20.0;  // in pixels of the reduced image if the image is reduced
 };
 
-// The kind says the detector: "orb" -> ORB; "sift_root_u8" and "sift_u8" -> SIFT. UNIMPLEMENTED for
-// others (binaryN: unknown origin). Keypoints of equal position may repeat (one an orientation).
-// Strongest first.
+// The kind determines the detector: "orb" is ORB; "sift_root_u8" and "sift_u8" are SIFT.
+// UNIMPLEMENTED for other kinds (the detector of "binaryN" is not known). SIFT returns a keypoint
+// once for each of its orientations. Strongest first.
 Result<PointFeatures> DetectPoints(const GrayImage& image, const DescriptorKind& kind,
                                    const PointDetectionOptions& options = {});
 

@@ -83,13 +83,6 @@ constexpr double kMaxPlaneTheta = 1.5607;
 
 std::string_view CameraModelName(CameraModel model) { return Traits(model).name; }
 
-std::optional<CameraModel> CameraModelFromName(std::string_view name) {
-  for (const ModelTraits& traits : kModels) {
-    if (traits.name == name) return traits.model;
-  }
-  return std::nullopt;
-}
-
 int CameraParamCount(CameraModel model) { return Traits(model).param_count; }
 
 Camera::Camera(CameraModel model, int width_px, int height_px, std::vector<double> params)

@@ -28,7 +28,6 @@ inline constexpr int kMaxImageSidePx = 65536;
 
 // "PINHOLE" etc., as COLMAP spells them.
 std::string_view CameraModelName(CameraModel model);
-std::optional<CameraModel> CameraModelFromName(std::string_view name);
 // Number of parameters of the model.
 int CameraParamCount(CameraModel model);
 

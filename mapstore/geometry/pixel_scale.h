@@ -20,8 +20,5 @@ inline constexpr double kVgaDiagonalPx = 800.0;
 
 // Up to so many pixels of its image a feature agrees with a pose: 4 of a VGA-sized image.
 inline constexpr double kInlierThresholdVgaPx = 4.0;
-inline double InlierThresholdPx(const Camera& camera) {
-  return kInlierThresholdVgaPx * PixelScale(camera);
-}
 
 }  // namespace maploc

@@ -22,11 +22,4 @@ std::string_view OutcomeName(Outcome outcome) {
   return "UNKNOWN";
 }
 
-std::optional<Outcome> OutcomeFromName(std::string_view name) {
-  for (int i = 1; i <= 7; ++i) {
-    if (OutcomeName(static_cast<Outcome>(i)) == name) return static_cast<Outcome>(i);
-  }
-  return std::nullopt;
-}
-
 }  // namespace maploc

@@ -29,7 +29,6 @@ enum class Outcome {
 };
 
 std::string_view OutcomeName(Outcome outcome);  // "LOCALIZED", "TOO_FEW_MATCHES", ...
-std::optional<Outcome> OutcomeFromName(std::string_view name);
 
 // Row-major order x, y, z, rotX, rotY, rotZ: fixed axes of the map frame, as
 // geometry_msgs/PoseWithCovariance. (map unit, rad)

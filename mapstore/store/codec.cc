@@ -117,6 +117,33 @@ Status CheckChecksum(const FeatureBlobs& blobs, std::string_view field) {
   return Damaged(field, "the checksum does not fit the content");
 }
 
+template <typename Landmarks>
+FeatureBlobs EncodeLandmarks(const Landmarks& landmarks, Blob geometry) {
+  FeatureBlobs blobs;
+  blobs.count = landmarks.size();
+  blobs.descriptor_count = static_cast<std::int64_t>(landmarks.descriptor_landmark.size());
+  blobs.ids = Encode<LandmarkId>(landmarks.ids);
+  blobs.geometry = std::move(geometry);
+  blobs.owners = Encode<std::int32_t>(landmarks.descriptor_landmark);
+  blobs.descriptors = landmarks.descriptors.bytes;
+  blobs.viewing = EncodeViewing(landmarks.viewing);
+  blobs.checksum = ChecksumOf(blobs);
+  return blobs;
+}
+
+// What points and lines share; `what` is "points" or "lines".
+template <typename Landmarks>
+Status DecodeRest(const FeatureBlobs& blobs, const DescriptorKind& kind, const std::string& what,
+                  Landmarks& landmarks) {
+  MAPLOC_ASSIGN_OR_RETURN(
+      landmarks.descriptor_landmark,
+      Decode<std::int32_t>(blobs.owners, blobs.descriptor_count, what + ".descriptor_landmark"));
+  MAPLOC_ASSIGN_OR_RETURN(landmarks.descriptors,
+                          DecodeDescriptors(blobs, kind, what + ".descriptors"));
+  MAPLOC_ASSIGN_OR_RETURN(landmarks.viewing, DecodeViewing(blobs, what + ".viewing"));
+  return CheckChecksum(blobs, what);
+}
+
 }  // namespace
 
 std::uint64_t ChecksumOf(const FeatureBlobs& blobs) {
@@ -144,33 +171,17 @@ Result<std::vector<Eigen::Vector3d>> DecodePositions(std::span<const std::uint8_
 }
 
 FeatureBlobs EncodePoints(const PointLandmarks& points) {
-  FeatureBlobs blobs;
-  blobs.count = points.size();
-  blobs.descriptor_count = static_cast<std::int64_t>(points.descriptor_landmark.size());
-  blobs.ids = Encode<LandmarkId>(points.ids);
-  blobs.geometry = EncodePositions(points.positions_in_map);
-  blobs.owners = Encode<std::int32_t>(points.descriptor_landmark);
-  blobs.descriptors = points.descriptors.bytes;
-  blobs.viewing = EncodeViewing(points.viewing);
-  blobs.checksum = ChecksumOf(blobs);
-  return blobs;
+  return EncodeLandmarks(points, EncodePositions(points.positions_in_map));
 }
 
 FeatureBlobs EncodeLines(const LineLandmarks& lines) {
-  FeatureBlobs blobs;
-  blobs.count = lines.size();
-  blobs.descriptor_count = static_cast<std::int64_t>(lines.descriptor_landmark.size());
-  blobs.ids = Encode<LandmarkId>(lines.ids);
-  blobs.geometry.reserve(lines.segments_in_map.size() * 48);
+  Blob segments;
+  segments.reserve(lines.segments_in_map.size() * 48);
   for (const LineSegment3& segment : lines.segments_in_map) {
-    AppendVector(segment.start, blobs.geometry);
-    AppendVector(segment.end, blobs.geometry);
+    AppendVector(segment.start, segments);
+    AppendVector(segment.end, segments);
   }
-  blobs.owners = Encode<std::int32_t>(lines.descriptor_landmark);
-  blobs.descriptors = lines.descriptors.bytes;
-  blobs.viewing = EncodeViewing(lines.viewing);
-  blobs.checksum = ChecksumOf(blobs);
-  return blobs;
+  return EncodeLandmarks(lines, std::move(segments));
 }
 
 Result<PointLandmarks> DecodePoints(const FeatureBlobs& blobs, const DescriptorKind& kind) {
@@ -178,12 +189,7 @@ Result<PointLandmarks> DecodePoints(const FeatureBlobs& blobs, const DescriptorK
   MAPLOC_ASSIGN_OR_RETURN(points.ids, Decode<LandmarkId>(blobs.ids, blobs.count, "points.ids"));
   MAPLOC_ASSIGN_OR_RETURN(points.positions_in_map,
                           DecodePositions(blobs.geometry, blobs.count, "points.positions"));
-  MAPLOC_ASSIGN_OR_RETURN(
-      points.descriptor_landmark,
-      Decode<std::int32_t>(blobs.owners, blobs.descriptor_count, "points.descriptor_landmark"));
-  MAPLOC_ASSIGN_OR_RETURN(points.descriptors, DecodeDescriptors(blobs, kind, "points.descriptors"));
-  MAPLOC_ASSIGN_OR_RETURN(points.viewing, DecodeViewing(blobs, "points.viewing"));
-  MAPLOC_RETURN_IF_ERROR(CheckChecksum(blobs, "points"));
+  MAPLOC_RETURN_IF_ERROR(DecodeRest(blobs, kind, "points", points));
   return points;
 }
 
@@ -196,12 +202,7 @@ Result<LineLandmarks> DecodeLines(const FeatureBlobs& blobs, const DescriptorKin
     const std::uint8_t* bytes = blobs.geometry.data() + 48 * i;
     lines.segments_in_map[i] = {ReadVector(bytes), ReadVector(bytes + 24)};
   }
-  MAPLOC_ASSIGN_OR_RETURN(
-      lines.descriptor_landmark,
-      Decode<std::int32_t>(blobs.owners, blobs.descriptor_count, "lines.descriptor_landmark"));
-  MAPLOC_ASSIGN_OR_RETURN(lines.descriptors, DecodeDescriptors(blobs, kind, "lines.descriptors"));
-  MAPLOC_ASSIGN_OR_RETURN(lines.viewing, DecodeViewing(blobs, "lines.viewing"));
-  MAPLOC_RETURN_IF_ERROR(CheckChecksum(blobs, "lines"));
+  MAPLOC_RETURN_IF_ERROR(DecodeRest(blobs, kind, "lines", lines));
   return lines;
 }
 

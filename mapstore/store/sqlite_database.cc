@@ -264,6 +264,14 @@ std::vector<std::uint8_t> SqliteStatement::Blob(ColumnName column) const {
   return {bytes.begin(), bytes.end()};
 }
 
+std::string ParametersFor(std::string_view columns) {
+  std::string parameters = "(?1";
+  for (int i = 2; i < 2 + std::ranges::count(columns, ','); ++i) {
+    parameters += ", ?" + std::to_string(i);
+  }
+  return parameters + ")";
+}
+
 Result<SqliteTransaction> SqliteTransaction::Begin(SqliteDatabase& database, Kind kind) {
   MAPLOC_RETURN_IF_ERROR(
       database.Execute(kind == Kind::kWrite ? "BEGIN IMMEDIATE" : "BEGIN DEFERRED"));

@@ -139,6 +139,9 @@ class SqliteStatement {
   mutable std::size_t next_ = 0;  // the column after the last one read
 };
 
+// "(?1, ?2, ?3)" for "a, b, c".
+std::string ParametersFor(std::string_view columns);
+
 class SqliteTransaction {
  public:
   // kRead sees one state of the database throughout; kWrite waits for other writers.

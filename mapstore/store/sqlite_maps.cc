@@ -113,13 +113,6 @@ Result<StoredMap> ReadMap(SqliteDatabase& database, const MapKey& key) {
   return MapAt(statement);
 }
 
-Result<MapKey> ReadMapKey(SqliteDatabase& database, std::int64_t row_id) {
-  SqliteStatement statement(database, "SELECT name, version FROM map_versions WHERE id = ?1");
-  MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(row_id).Step());
-  if (!found) return Internal("map row " + std::to_string(row_id) + " is missing");
-  return MapKey{statement.Text("name"), statement.Int("version")};
-}
-
 Result<SegmentSummary> ReadSegmentCounts(SqliteDatabase& database, const StoredMap& map,
                                          SegmentId id) {
   SqliteStatement statement(

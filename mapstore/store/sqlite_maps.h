@@ -22,8 +22,6 @@ struct StoredMap {
 Result<std::vector<StoredMap>> ReadAllMaps(SqliteDatabase& database);  // by name, then version
 Result<StoredMap> ReadNewestMap(SqliteDatabase& database, const std::string& name);
 Result<StoredMap> ReadMap(SqliteDatabase& database, const MapKey& key);
-// The key of a published version by its row.
-Result<MapKey> ReadMapKey(SqliteDatabase& database, std::int64_t row_id);
 
 // Without the statistics (sqlite_states.h). NOT_FOUND.
 Result<SegmentSummary> ReadSegmentCounts(SqliteDatabase& database, const StoredMap& map,

@@ -34,6 +34,12 @@ FeatureCounts CountsAt(const SqliteStatement& row, ColumnName matches, ColumnNam
   return {row.Int32(matches), row.Int32(inliers)};
 }
 
+constexpr std::string_view kObservationColumns =
+    "session, sequence, segment, outcome, point_matches, point_inliers, usable_line_matches, "
+    "usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back, "
+    "iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns, inlier_rms_pixels, "
+    "gravity_rejected, gravity_tilt_x_rad, gravity_tilt_y_rad";
+
 Observation ObservationAt(const SqliteStatement& row) {
   Observation observation;
   observation.sequence = row.Int("sequence");
@@ -173,15 +179,10 @@ Result<SessionSummary> ReadSummary(SqliteDatabase& database, const Session& sess
 
 Status InsertObservations(SqliteDatabase& database, const StoredMap& map, const SessionId& id,
                           std::span<const Observation> observations) {
-  SqliteStatement insert(
-      database,
-      "INSERT INTO observations (session, sequence, segment, outcome, point_matches, "
-      "point_inliers, usable_line_matches, usable_line_inliers, vertical_line_matches, "
-      "vertical_line_inliers, strategy, fell_back, iterations, gravity_disagreement_rad, "
-      "confidence, total_ms, time_unix_ns, inlier_rms_pixels, gravity_rejected, "
-      "gravity_tilt_x_rad, gravity_tilt_y_rad) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
-      "?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21) ON CONFLICT (session, sequence) DO "
-      "NOTHING");
+  const std::string columns(kObservationColumns);
+  SqliteStatement insert(database, "INSERT INTO observations (" + columns + ") VALUES " +
+                                       ParametersFor(columns) +
+                                       " ON CONFLICT (session, sequence) DO NOTHING");
   for (const Observation& observation : observations) {
     MAPLOC_RETURN_IF_ERROR(ValidateObservation(observation));
     if (observation.segment >= 0) {
@@ -193,13 +194,9 @@ Status InsertObservations(SqliteDatabase& database, const StoredMap& map, const 
 }
 
 Result<std::vector<Observation>> ReadObservations(SqliteDatabase& database, const SessionId& id) {
-  SqliteStatement statement(
-      database,
-      "SELECT sequence, segment, outcome, point_matches, point_inliers, usable_line_matches, "
-      "usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back, "
-      "iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns, "
-      "inlier_rms_pixels, gravity_rejected, gravity_tilt_x_rad, gravity_tilt_y_rad FROM "
-      "observations WHERE session = ?1 ORDER BY sequence");
+  SqliteStatement statement(database,
+                            "SELECT " + std::string(kObservationColumns) +
+                                " FROM observations WHERE session = ?1 ORDER BY sequence");
   return statement.Bind(id).Collect(ObservationAt);
 }
 

@@ -9,12 +9,13 @@ namespace maploc {
 namespace {
 
 constexpr std::string_view kStateColumns =
-    "d.strategy, d.source, d.reason, d.predicted_success, d.sessions, d.queries, d.localized, "
-    "d.point_matches, d.point_inliers, d.usable_line_matches, d.usable_line_inliers, "
-    "d.vertical_line_matches, d.vertical_line_inliers, d.typical_point_matches, "
-    "d.typical_usable_line_matches, d.typical_vertical_line_matches, d.pinned, d.weighted_queries, "
-    "d.weighted_localized, d.independent_points, d.independent_usable_lines, "
-    "d.independent_vertical_lines, d.second_choice, d.third_choice";
+    "map, segment, options, pinned, strategy, source, reason, predicted_success, sessions, "
+    "queries, "
+    "localized, point_matches, point_inliers, usable_line_matches, usable_line_inliers, "
+    "vertical_line_matches, vertical_line_inliers, typical_point_matches, "
+    "typical_usable_line_matches, typical_vertical_line_matches, weighted_queries, "
+    "weighted_localized, independent_points, independent_usable_lines, independent_vertical_lines, "
+    "second_choice, third_choice";
 // After those of version 1: half_life_sessions to cost_mixed.
 constexpr std::string_view kOptionColumns =
     "half_life_sessions, change_discount, independent_matches_per_query, min_localized_queries, "
@@ -34,6 +35,7 @@ std::optional<std::int64_t> NumberOf(const std::optional<Strategy>& pinned) {
 
 SegmentState StateAt(const SqliteStatement& row) {
   SegmentState state;
+  state.pinned = PinAt(row, "pinned");
   state.derived.decision = {row.Enum<Strategy>("strategy"),
                             row.Enum<StrategySource>("source"),
                             row.Text("reason"),
@@ -53,7 +55,6 @@ SegmentState StateAt(const SqliteStatement& row) {
   statistics.typical_point_matches = row.Real("typical_point_matches");
   statistics.typical_usable_line_matches = row.Real("typical_usable_line_matches");
   statistics.typical_vertical_line_matches = row.Real("typical_vertical_line_matches");
-  state.pinned = PinAt(row, "pinned");
   statistics.weighted_queries = row.Real("weighted_queries");
   statistics.weighted_localized = row.Real("weighted_localized");
   statistics.independent_points = row.Real("independent_points");
@@ -110,16 +111,9 @@ Status ReadPins(SqliteDatabase& database, std::int64_t map, SegmentId id, std::v
 Status WriteState(SqliteDatabase& database, std::int64_t map, SegmentId id,
                   const SegmentState& state) {
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t options, OptionsRow(database, state.options));
-  SqliteStatement statement(
-      database,
-      "INSERT OR REPLACE INTO segment_states (map, segment, options, pinned, strategy, source, "
-      "reason, predicted_success, sessions, queries, localized, point_matches, point_inliers, "
-      "usable_line_matches, usable_line_inliers, vertical_line_matches, vertical_line_inliers, "
-      "typical_point_matches, typical_usable_line_matches, typical_vertical_line_matches, "
-      "weighted_queries, weighted_localized, independent_points, independent_usable_lines, "
-      "independent_vertical_lines, second_choice, third_choice) VALUES (?1, ?2, ?3, ?4, ?5, ?6, "
-      "?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24, ?25, "
-      "?26, ?27)");
+  const std::string columns(kStateColumns);
+  SqliteStatement statement(database, "INSERT OR REPLACE INTO segment_states (" + columns +
+                                          ") VALUES " + ParametersFor(columns));
   const StrategyDecision& decision = state.derived.decision;
   const SegmentStatistics& sums = state.derived.statistics;
   return statement
@@ -196,15 +190,13 @@ Result<std::int64_t> OptionsRow(SqliteDatabase& database, const SelectorOptions&
         options.yields.point_and_line.good, options.yields.point_and_line.bad,
         options.yields.point_and_verticals.good, options.yields.point_and_verticals.bad);
   };
-  constexpr std::string_view kParameters =
-      "(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19)";
   const std::string columns(kOptionColumns);
   SqliteStatement find(database, "SELECT id FROM selector_options WHERE (" + columns +
-                                     ") = " + std::string(kParameters));
+                                     ") = " + ParametersFor(columns));
   MAPLOC_ASSIGN_OR_RETURN(const bool found, bind(find).Step());
   if (found) return find.Int("id");
-  SqliteStatement insert(database, "INSERT INTO selector_options (" + columns + ") VALUES " +
-                                       std::string(kParameters));
+  SqliteStatement insert(
+      database, "INSERT INTO selector_options (" + columns + ") VALUES " + ParametersFor(columns));
   MAPLOC_RETURN_IF_ERROR(bind(insert).Run());
   return database.LastInsertId();
 }

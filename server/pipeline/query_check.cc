@@ -14,7 +14,7 @@ Status CheckKind(std::string_view what, const Descriptors& sent, const Descripto
   return FailedPrecondition("DESCRIPTOR_KIND_MISMATCH",
                             std::string(what) + ": the query's kind is " + ToText(sent.kind) +
                                 ", the map's is " + ToText(of_map) +
-                                "; ask the map for its kinds (GetMap) and convert");
+                                "; GetMap returns the map's kinds: send descriptors of these");
 }
 
 template <typename T>

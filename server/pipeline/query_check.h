@@ -1,4 +1,5 @@
-// What only a query and a map together can violate, and the seed that a query brings.
+// The checks that need both the query and the map, and the part of the random seed that comes from
+// the query.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +10,13 @@
 
 namespace maploc {
 
-// FAILED_PRECONDITION (DESCRIPTOR_KIND_MISMATCH) where the query's kinds are not the map's;
-// INVALID_ARGUMENT naming the field for any number of views but one. Lines
-// sent to a map without lines are fine: they match nothing.
+// FAILED_PRECONDITION (DESCRIPTOR_KIND_MISMATCH) if a descriptor kind of the query differs from the
+// map's; INVALID_ARGUMENT unless there is exactly one view. Lines are accepted if the map has no
+// lines; they match nothing.
 Status CheckQuery(const Query& query, const MapInfo& map);
 
-// The same for the same features and gravity, whoever sends them and when.
+// A hash of the map's name, the direction of gravity and the pixel positions of the features. It
+// does not depend on the sender or the time.
 std::uint64_t ContentHash(const Query& query);
 
 }  // namespace maploc

@@ -11,11 +11,11 @@
 #include <opengv/absolute_pose/methods.hpp>
 
 #include "server/solvers/batch.h"
-#include "server/solvers/p2p1l.h"
 #include "server/solvers/p3p.h"
 #include "server/solvers/up1p1l.h"
 #include "server/solvers/up1p2v.h"
 #include "server/solvers/up2p.h"
+#include "tests/experiments/methods/p2p1l.h"
 #include "tests/support/synthetic_problem.h"
 
 namespace maploc::testing {

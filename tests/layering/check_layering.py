@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the house's rules (README.md beside this file) over every source file. Prints each breach as file:line.
+"""Checks the layering rules (README.md beside this file) in every source file. Prints each violation as file:line.
 
 usage: check_layering.py SOURCE_DIR
 """
@@ -8,7 +8,7 @@ import pathlib
 import re
 import sys
 
-# A folder may include itself and what stands here, and what those may include (the direction of design.md section 4).
+# A folder may include itself, the folders listed for it here, and what these may include.
 MAY_INCLUDE = {
     "mapstore/base": [],
     "mapstore/geometry": ["mapstore/base"],
@@ -36,7 +36,7 @@ MAY_INCLUDE = {
     "client/cli": ["client/robot"],
 }
 
-# Third-party headers and where alone they may stand (regular expressions on the include and on the file).
+# Third-party headers and the only files that may include them (regular expressions for the include and for the file).
 CONFINED = [
     (r"sqlite3\.h", r"mapstore/(store|formats)/sqlite_[^/]*$|tests/"),
     (r"grpc(pp|\+\+)?/.*|.*\.grpc\.pb\.h", r"(server/service|server/app|client/api|tests)/"),
@@ -69,7 +69,7 @@ def check_include(name, folder, included):
             yield f"{folder} is not a known folder; add it to check_layering.py"
     for header, allowed in CONFINED:
         if re.fullmatch(header, included) and not re.search(allowed, name):
-            yield f"{included} may stand only in {allowed}"
+            yield f"{included} may be included only in {allowed}"
 
 
 def check_file(root, path):

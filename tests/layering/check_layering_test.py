@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A check that never fails checks nothing: each kind of breach, in a made-up tree, must be found."""
+"""Writes a file with each kind of violation into a temporary tree and tests that check_layering.py reports it."""
 
 import contextlib
 import io

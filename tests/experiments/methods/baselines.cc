@@ -1,10 +1,10 @@
 #include <algorithm>
 
-#include "server/solvers/p2p1l.h"
 #include "tests/experiments/methods/cpu_timer.h"
 #include "tests/experiments/methods/epnp.h"
 #include "tests/experiments/methods/estimate.h"
 #include "tests/experiments/methods/method.h"
+#include "tests/experiments/methods/p2p1l.h"
 #include "tests/experiments/methods/simple_ransac.h"
 
 namespace maploc::experiments {

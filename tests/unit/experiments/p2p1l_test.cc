@@ -1,4 +1,4 @@
-#include "server/solvers/p2p1l.h"
+#include "tests/experiments/methods/p2p1l.h"
 
 #include <gtest/gtest.h>
 
