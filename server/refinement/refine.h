@@ -32,7 +32,7 @@ struct RefinedPose {
   std::vector<std::uint8_t> point_inliers;  // under the final pose
   std::vector<std::uint8_t> line_inliers;
   double inlier_rms_px = 0.0;     // root mean square of the inliers' errors, of one coordinate
-  double feature_sigma_px = 0.0;  // that the covariance was made with, noise and shared error
+  double feature_sigma_px = 0.0;  // of one coordinate: noise and shared error
 
   // Points and lines.
   std::size_t InlierCount() const;
