@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -14,6 +15,9 @@ namespace {
 constexpr double kChiSquare2At95 = 5.991465;
 // So far outside its interval is one level map in ten thousand: sqrt(18.42 / 5.99).
 constexpr double kBeyondInterval = 1.75;
+constexpr double kSigmaOfMad = 1.4826;  // of a normal distribution
+// Of the median of n normal values, in variances of one, times n.
+constexpr double kMedianVariance = std::numbers::pi / 2.0;
 
 // By coordinate: robust against the queries whose pose is wrong.
 Eigen::Vector2d MedianTilt(const std::vector<Eigen::Vector2d>& tilts) {
@@ -26,13 +30,27 @@ Eigen::Vector2d MedianTilt(const std::vector<Eigen::Vector2d>& tilts) {
   return {Median(std::move(x)), Median(std::move(y))};
 }
 
-// The larger of the robots' own scatter (over both axes) and what is known of mountings.
+// Of the median in one coordinate, from the queries' scatter about it, which is robust too. One
+// query of n is the median itself: n - 1 deviations are left.
+double VarianceOfMedian(const std::vector<Eigen::Vector2d>& tilts, const Eigen::Vector2d& median) {
+  std::vector<double> deviations;
+  for (const Eigen::Vector2d& tilt : tilts) {
+    for (const double deviation : tilt - median) {
+      if (deviation != 0.0) deviations.push_back(std::abs(deviation));
+    }
+  }
+  if (deviations.empty()) return 0.0;
+  const double sigma = kSigmaOfMad * Median(std::move(deviations));
+  return kMedianVariance * sigma * sigma / static_cast<double>(tilts.size() - 1);
+}
+
+// The larger of the robots' own scatter (over both axes) and what is known of it.
 double RobotVariance(std::span<const Eigen::Vector2d> tilts, const Eigen::Vector2d& mean,
-                     double least_sigma) {
+                     double least_variance) {
   double squares = 0.0;
   for (const Eigen::Vector2d& tilt : tilts) squares += (tilt - mean).squaredNorm();
   const double freedom = std::max(1.0, 2.0 * (static_cast<double>(tilts.size()) - 1.0));
-  return std::max(squares / freedom, least_sigma * least_sigma);
+  return std::max(squares / freedom, least_variance);
 }
 
 }  // namespace
@@ -40,17 +58,20 @@ double RobotVariance(std::span<const Eigen::Vector2d> tilts, const Eigen::Vector
 Lean FindLean(std::span<const RobotTilts> robots, const LeanOptions& options) {
   Lean lean;
   std::vector<Eigen::Vector2d> tilts;
+  double noise = 0.0;  // sum of the medians' variances
   for (const RobotTilts& robot : robots) {
     const auto queries = static_cast<std::int64_t>(robot.tilts_rad.size());
     if (queries == 0 || queries < options.min_queries) continue;
     tilts.push_back(MedianTilt(robot.tilts_rad));
+    noise += VarianceOfMedian(robot.tilts_rad, tilts.back());
     lean.queries += queries;
   }
   lean.robots = static_cast<std::int64_t>(tilts.size());
   if (tilts.empty()) return lean;
   const auto count = static_cast<double>(tilts.size());
   for (const Eigen::Vector2d& tilt : tilts) lean.tilt_rad += tilt / count;
-  const double variance = RobotVariance(tilts, lean.tilt_rad, options.robot_sigma_rad);
+  const double mounting = options.robot_sigma_rad * options.robot_sigma_rad;
+  const double variance = RobotVariance(tilts, lean.tilt_rad, mounting + noise / count);
   lean.interval_rad = std::sqrt(kChiSquare2At95 * variance / count);
   const double angle = lean.tilt_rad.norm();
   const bool all_agree = std::all_of(tilts.begin(), tilts.end(), [&](const Eigen::Vector2d& tilt) {

@@ -26,7 +26,7 @@ struct LeanOptions {
   // A single robot may be mounted askew, so this many robots are needed.
   std::int64_t min_robots = 2;
   // Standard deviation of the robots' independent mounting errors. The scatter of few robots is not
-  // taken to be below it.
+  // taken to be below it and what their queries' scatter leaves in their medians.
   double robot_sigma_rad = 0.0087;  // 0.5 degrees
   // A smaller lean is ignored, however certain.
   double min_lean_rad = 0.0175;  // 1 degree

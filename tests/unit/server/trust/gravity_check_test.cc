@@ -50,6 +50,23 @@ TEST(CompareGravity, TellsWhichWay) {
   EXPECT_LT((about_y.tilt_rad - Eigen::Vector2d(0, -2 * kDegree)).norm(), 1e-9);
 }
 
+// The same written out, without a turn: the camera is the map, z up, and feels down leaning towards
+// +y, or +x. By the right hand it takes a turn about +x to bring (0, 0, -1) towards +y, and one
+// about -y to bring it towards +x.
+TEST(CompareGravity, TheTiltTurnsByTheRightHand) {
+  const double lean = std::tan(0.05);
+  PoseProblem problem;
+  problem.gravity_sigma_rad = kDegree;
+  problem.gravity_in_camera = Eigen::Vector3d(0, lean, -1).normalized();
+  const Eigen::Vector2d towards_y = CompareGravity(problem, RefinedPose()).tilt_rad;
+  EXPECT_NEAR(towards_y.x(), 0.05, 1e-9);
+  EXPECT_NEAR(towards_y.y(), 0.0, 1e-9);
+  problem.gravity_in_camera = Eigen::Vector3d(lean, 0, -1).normalized();
+  const Eigen::Vector2d towards_x = CompareGravity(problem, RefinedPose()).tilt_rad;
+  EXPECT_NEAR(towards_x.x(), 0.0, 1e-9);
+  EXPECT_NEAR(towards_x.y(), -0.05, 1e-9);
+}
+
 SyntheticProblem WithGravityError(double error_deg, double sigma_deg, Random& random) {
   SyntheticOptions options;
   options.point_inliers = 20;
