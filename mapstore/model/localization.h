@@ -47,8 +47,8 @@ struct FocalScale {
   bool operator==(const FocalScale&) const = default;
 };
 
-// What the estimator saw, for the answer and for the statistics. Of many points, those of a sample
-// count (server/pipeline/coarse_to_fine.h).
+// What the estimator saw, for the answer and for the statistics. Of many points, a sample
+// may have been counted for all (server/pipeline/coarse_to_fine.h).
 struct Evidence {
   FeatureCounts points;
   FeatureCounts usable_lines;            // tilt of 10 degrees or more
@@ -92,8 +92,8 @@ struct Localization {
       StrategySource::kDefault;    // of the segment's recorded (or requested) strategy
   double predicted_success = 0.0;  // of one iteration with the recorded strategy; 0 before evidence
   StageTimes times;
-  // In the segment that answered. After the points that evidence counts there may be others, which
-  // were looked for near the pose: they make it more precise, and say nothing for it.
+  // In the segment that answered. Where evidence is of a sample, others follow the sample's points,
+  // which were looked for near the pose: they make it more precise, and say nothing for it.
   Matches matches;
   std::vector<std::uint8_t> point_match_inlier;  // one a point match, 0 or 1
   std::vector<std::uint8_t> line_match_inlier;   // one a line match

@@ -15,15 +15,20 @@ namespace {
 // set.
 constexpr double kSimilarQuantile = 0.9;
 
-// Features by square cells of the image, so that those within a cell's side of a pixel lie in nine
-// cells. Features outside of the image are left out.
+// Cells along the image's longer side, at most: a small radius does not make a large grid.
+constexpr double kMaxCells = 256.0;
+
+// Features by square cells of the image, not smaller than the radius, so that those within it of a
+// pixel lie in nine cells. Features outside of the image are left out.
 class FeatureGrid {
  public:
-  FeatureGrid(const View& view, double cell_px, const std::vector<char>& left_out)
+  FeatureGrid(const View& view, double radius_px, const std::vector<char>& left_out)
       : keypoints_px_(view.points.keypoints_px),
-        cell_px_(cell_px),
-        columns_(1 + static_cast<int>(view.camera.width_px() / cell_px)),
-        rows_(1 + static_cast<int>(view.camera.height_px() / cell_px)),
+        size_px_(view.camera.width_px(), view.camera.height_px()),
+        radius_px_(radius_px),
+        cell_px_(std::max(radius_px, size_px_.maxCoeff() / kMaxCells)),
+        columns_(1 + static_cast<int>(size_px_.x() / cell_px_)),
+        rows_(1 + static_cast<int>(size_px_.y() / cell_px_)),
         begin_(static_cast<std::size_t>(columns_) * rows_ + 1, 0) {
     for (std::size_t i = 0; i < keypoints_px_.size(); ++i) {
       if (const std::optional<int> cell = left_out[i] ? std::nullopt : CellOf(i))
@@ -38,9 +43,12 @@ class FeatureGrid {
     }
   }
 
-  // Calls `visit(feature)` for each within a cell's side of `pixel`.
+  // Calls `visit(feature)` for each within the radius of `pixel`.
   template <typename Visit>
   void ForEachNear(const Eigen::Vector2d& pixel, const Visit& visit) const {
+    const bool near_image = (pixel.array() > -radius_px_).all() &&
+                            (pixel.array() < size_px_.array() + radius_px_).all();
+    if (!near_image) return;
     const int column = static_cast<int>(std::floor(pixel.x() / cell_px_));
     const int row = static_cast<int>(std::floor(pixel.y() / cell_px_));
     for (int r = std::max(row - 1, 0); r <= std::min(row + 1, rows_ - 1); ++r) {
@@ -48,7 +56,7 @@ class FeatureGrid {
         const std::size_t cell = static_cast<std::size_t>(r) * columns_ + c;
         for (std::int32_t i = begin_[cell]; i < begin_[cell + 1]; ++i) {
           const Eigen::Vector2d feature_px = keypoints_px_[features_[i]].cast<double>();
-          if ((feature_px - pixel).squaredNorm() < cell_px_ * cell_px_) visit(features_[i]);
+          if ((feature_px - pixel).squaredNorm() < radius_px_ * radius_px_) visit(features_[i]);
         }
       }
     }
@@ -56,14 +64,17 @@ class FeatureGrid {
 
  private:
   std::optional<int> CellOf(std::size_t feature) const {
-    const Eigen::Vector2f& pixel = keypoints_px_[feature];
-    const int column = static_cast<int>(std::floor(pixel.x() / cell_px_));
-    const int row = static_cast<int>(std::floor(pixel.y() / cell_px_));
-    if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return std::nullopt;
+    const Eigen::Vector2d pixel = keypoints_px_[feature].cast<double>();
+    const bool inside = (pixel.array() >= 0).all() && (pixel.array() <= size_px_.array()).all();
+    if (!inside) return std::nullopt;
+    const int column = static_cast<int>(pixel.x() / cell_px_);
+    const int row = static_cast<int>(pixel.y() / cell_px_);
     return row * columns_ + column;
   }
 
   const std::vector<Eigen::Vector2f>& keypoints_px_;
+  Eigen::Vector2d size_px_;
+  double radius_px_;
   double cell_px_;
   int columns_;
   int rows_;

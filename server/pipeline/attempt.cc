@@ -18,8 +18,6 @@
 namespace maploc {
 namespace {
 
-constexpr double kExplainsMost = 0.75;
-
 // The smallest samples of any strategy with gravity are two points, or a point and a line.
 bool CanDraw(const PoseProblem& problem) {
   if (!problem.has_gravity) return problem.points.size() >= 3;
@@ -38,29 +36,43 @@ std::vector<Strategy> StrategiesToTry(const QueryContext& context, const Strateg
   return strategies;
 }
 
+// What one attempt on a segment's matches works with: the first strategy to draw by, and whether
+// RANSAC itself may take the next ones.
+struct Attempt {
+  const MapSnapshot::Entry& entry;
+  const PoseProblem& problem;
+  bool gravity_was_sent;  // `problem` may have it not, all the same
+  Strategy strategy;
+  bool fall_back;
+  std::optional<int> max_iterations = std::nullopt;  // unset: as the segment's statistics say
+  std::optional<Consensus> known = std::nullopt;     // instead of RANSAC's
+};
+
 // `fall_back`: to the next in the segment's ranking where `strategy` draws or finds nothing. Else
 // the judgement decides on the next, and the segment's own strategy is given no more iterations
 // than its statistics make worth while.
-Consensus Estimate(const QueryContext& context, const MapSnapshot::Entry& entry,
-                   const PoseProblem& problem, Strategy strategy, bool fall_back,
-                   StageTimes& times) {
+Consensus Estimate(const QueryContext& context, const Attempt& attempt, const PoseProblem& problem,
+                   bool fall_back, StageTimes& times) {
   const Stopwatch watch(times.ransac_ms);
+  const auto& [segment, decision] = attempt.entry;
+  const Strategy strategy = attempt.strategy;
   RansacOptions options;
   options.strategy = strategy;
   options.fall_back = fall_back;
-  options.fallbacks.assign(entry.decision.ranking.begin(), entry.decision.ranking.end());
-  if (!problem.has_gravity && context.query.gravity) {
+  options.fallbacks.assign(decision.ranking.begin(), decision.ranking.end());
+  if (attempt.max_iterations) {
+    options.max_iterations = *attempt.max_iterations;
+  } else if (!problem.has_gravity && context.query.gravity) {
     options.max_iterations = kIterationsAgainstGravity;
-  } else if (!fall_back && strategy == entry.decision.strategy) {
-    options.max_iterations =
-        Patience(strategy, entry.decision.predicted_success, options.max_iterations);
+  } else if (!fall_back && strategy == decision.strategy) {
+    options.max_iterations = Patience(strategy, decision.predicted_success, options.max_iterations);
   }
   options.max_reprojection_error_px = context.MaxErrorVgaPx();
-  options.seed = Random(context.seed).Fork(entry.segment->id).Next();
+  options.seed = Random(context.seed).Fork(segment->id).Next();
   options.deadline = context.interrupt.deadline;
   options.cancelled = context.interrupt.cancelled;
   Consensus consensus = EstimateConsensus(problem, options);
-  consensus.fell_back = consensus.strategy != ChooseStrategy(context, entry.decision);
+  consensus.fell_back = consensus.strategy != ChooseStrategy(context, decision);
   return consensus;
 }
 
@@ -123,23 +135,11 @@ void Tell(const QueryContext& context, const PoseProblem& problem, const Verdict
   FillPose(context, verdict.pose, answer);
 }
 
-// What one attempt on a segment's matches works with: the first strategy to draw by, and whether
-// RANSAC itself may take the next ones.
-struct Attempt {
-  const MapSnapshot::Entry& entry;
-  const PoseProblem& problem;
-  bool gravity_was_sent;  // `problem` may have it not, all the same
-  Strategy strategy;
-  bool fall_back;
-  std::optional<Consensus> known = std::nullopt;  // instead of RANSAC's
-};
-
 Found FindPose(const QueryContext& context, const Attempt& attempt, const PoseProblem& problem,
                bool fall_back, StageTimes& times) {
   Found found;
   found.consensus =
-      attempt.known ? *attempt.known
-                    : Estimate(context, attempt.entry, problem, attempt.strategy, fall_back, times);
+      attempt.known ? *attempt.known : Estimate(context, attempt, problem, fall_back, times);
   if (!found.consensus.found) return found;
   const Stopwatch watch(times.refinement_ms);
   found.pose = RefinePose(problem, found.consensus.camera_from_map, Refining(context));
@@ -228,6 +228,14 @@ Result<Localization> TryMatches(const QueryContext& context, const MapSnapshot::
   return *std::move(told);
 }
 
+MatchedProblem MakeProblem(const QueryContext& context, const Segment& segment,
+                           const Matches& matches) {
+  MatchedProblem matched =
+      BuildPoseProblem(matches, context.view(), segment, context.query.gravity);
+  matched.problem.shared_error_rad = context.map.info.shared_error_rad;
+  return matched;
+}
+
 Localization StartAnswer(const QueryContext& context, const MapSnapshot::Entry& entry,
                          const MatchedProblem& matched) {
   Localization answer;
@@ -245,27 +253,43 @@ Localization StartAnswer(const QueryContext& context, const MapSnapshot::Entry& 
   return answer;
 }
 
+Result<Localization> TryOnce(const QueryContext& context, const MapSnapshot::Entry& entry,
+                             const MatchedProblem& matched, int max_iterations, StageTimes& times) {
+  const Localization start = StartAnswer(context, entry, matched);
+  if (!CanDraw(matched.problem)) return start;
+  const Strategy strategy =
+      matched.problem.has_gravity ? ChooseStrategy(context, entry.decision) : Strategy::kP3P;
+  const Attempt attempt{entry,
+                        matched.problem,
+                        context.query.gravity.has_value(),
+                        strategy,
+                        /*fall_back=*/false,
+                        max_iterations};
+  int iterations = 0;
+  return TryStrategy(context, attempt, start, iterations, times);
+}
+
 Result<Localization> RefineKnown(const QueryContext& context, const MapSnapshot::Entry& entry,
-                                 const PoseProblem& problem, const Localization& known,
-                                 const Localization& start, StageTimes& times) {
+                                 const MatchedProblem& matched, const Localization& known,
+                                 StageTimes& times) {
   Consensus consensus;
   consensus.found = true;
   consensus.camera_from_map = context.view().camera_from_body * known.map_from_body->Inverse();
   consensus.strategy = known.evidence.strategy;
   consensus.fell_back = known.evidence.fell_back;
-  consensus.iterations = known.evidence.iterations;
   const Attempt attempt{entry,
-                        problem,
+                        matched.problem,
                         context.query.gravity.has_value(),
                         consensus.strategy,
                         /*fall_back=*/false,
+                        /*max_iterations=*/std::nullopt,
                         consensus};
-  int iterations = 0;
-  return TryStrategy(context, attempt, start, iterations, times);
-}
-
-bool ExplainsMost(const Evidence& evidence) {
-  return evidence.points.inliers >= kExplainsMost * static_cast<double>(evidence.points.matches);
+  int iterations = known.evidence.iterations;
+  MAPLOC_ASSIGN_OR_RETURN(
+      Localization answer,
+      TryStrategy(context, attempt, StartAnswer(context, entry, matched), iterations, times));
+  answer.evidence.iterations = known.evidence.iterations;
+  return answer;
 }
 
 }  // namespace maploc

@@ -36,6 +36,10 @@ struct QueryContext {
 // the matches are right, and cheap enough for every query without an answer.
 inline constexpr int kIterationsAgainstGravity = 2000;
 
+// Of the points' matches: what leaves more unexplained may be a mirrored photo. Honest photos of a
+// symmetric front, day and dusk: 0.79 at least; mirrored ones 0.3 to 0.64 (`reichstag`).
+inline constexpr double kExplainsMost = 0.75;
+
 // The one that was asked for, else the segment's.
 Strategy ChooseStrategy(const QueryContext& context, const StrategyDecision& decision);
 
@@ -47,18 +51,22 @@ Result<Localization> TryMatches(const QueryContext& context, const MapSnapshot::
                                 const PoseProblem& problem, bool fall_back,
                                 const Localization& start, int& iterations, StageTimes& times);
 
+// The geometric problem of `matches` with `segment`, as this map and query pose it.
+MatchedProblem MakeProblem(const QueryContext& context, const Segment& segment,
+                           const Matches& matches);
+
 // An answer about `entry`'s segment with its matches, without a pose as yet (TOO_FEW_MATCHES).
 Localization StartAnswer(const QueryContext& context, const MapSnapshot::Entry& entry,
                          const MatchedProblem& matched);
 
-// Refines and judges the pose of `known`, which is LOCALIZED, with all matches of `problem` instead
-// of those that it was found with. Strategy and iterations stay `known`'s.
-Result<Localization> RefineKnown(const QueryContext& context, const MapSnapshot::Entry& entry,
-                                 const PoseProblem& problem, const Localization& known,
-                                 const Localization& start, StageTimes& times);
+// The first strategy alone, within `max_iterations`.
+Result<Localization> TryOnce(const QueryContext& context, const MapSnapshot::Entry& entry,
+                             const MatchedProblem& matched, int max_iterations, StageTimes& times);
 
-// Whether the pose explains three quarters of the points' matches. Honest photos of a symmetric
-// front, day and dusk: 0.79 at least; mirrored ones 0.3 to 0.64 (server/trust/MEASUREMENTS.md).
-bool ExplainsMost(const Evidence& evidence);
+// Refines and judges the pose of `known`, which is LOCALIZED, with all of `matched` instead of the
+// matches that it was found with. Strategy and iterations stay `known`'s.
+Result<Localization> RefineKnown(const QueryContext& context, const MapSnapshot::Entry& entry,
+                                 const MatchedProblem& matched, const Localization& known,
+                                 StageTimes& times);
 
 }  // namespace maploc

@@ -1,32 +1,31 @@
 #include "server/pipeline/coarse_to_fine.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 #include <vector>
 
 #include "mapstore/geometry/pixel_scale.h"
 #include "server/matching/guided_matching.h"
-#include "server/matching/pose_problem.h"
 #include "server/matching/segment_matching.h"
 #include "server/pipeline/stopwatch.h"
 
 namespace maploc {
 namespace {
 
-constexpr int kSampledPoints = 250;
-// Fewer points than so many samples are matched at once.
-constexpr int kWorthSampling = 4;
-// A pose that the sample determines well enough to look near it, and to judge by it.
-constexpr int kEnoughInliers = 50;
-
-MatchedProblem MakeProblem(const QueryContext& context, const Segment& segment,
-                           const Matches& matches) {
-  MatchedProblem matched =
-      BuildPoseProblem(matches, context.view(), segment, context.query.gravity);
-  matched.problem.shared_error_rad = context.map.info.shared_error_rad;
-  return matched;
-}
+constexpr int kSampledPoints = 300;
+// Fewer points are matched at once.
+constexpr std::size_t kWorthSampling = 1000;
+// Enough for every test of server/trust; of them three quarters by two standard deviations.
+constexpr int kEnoughInliers = 60;
+constexpr double kShareSigmas = 2.0;
+// Three of four inliers are found within a few dozen draws of any strategy.
+constexpr int kMaxIterations = 200;
+// Of the inlier threshold: a truer lens must find the matches that it would win.
+constexpr double kGuidedRadius = 1.5;
+// Of the server's threshold. Within a wider one of the query's own, too many landmarks compete.
+constexpr double kWidestThreshold = 2.0;
 
 MatchedProblem MatchSampled(const QueryContext& context, const Segment& segment,
                             StageTimes& times) {
@@ -39,49 +38,67 @@ MatchedProblem MatchGuided(const QueryContext& context, const Segment& segment,
                            const Localization& coarse, StageTimes& times) {
   const Stopwatch watch(times.matching_ms);
   const View& view = context.view();
+  const double radius_px = kGuidedRadius * context.MaxErrorVgaPx() * PixelScale(view.camera);
   const std::vector<FeatureMatch> others =
       MatchNearProjections(view, segment, view.camera_from_body * coarse.map_from_body->Inverse(),
-                           context.MaxErrorVgaPx() * PixelScale(view.camera), coarse.matches.points,
-                           coarse.point_match_inlier);
+                           radius_px, coarse.matches.points, coarse.point_match_inlier);
   Matches all = coarse.matches;
   all.points.insert(all.points.end(), others.begin(), others.end());
   return MakeProblem(context, segment, all);
 }
 
 bool IsSure(const Localization& answer) {
-  return answer.outcome == Outcome::kLocalized &&
-         answer.evidence.points.inliers >= kEnoughInliers && ExplainsMost(answer.evidence);
+  const FeatureCounts& points = answer.evidence.points;
+  const double matches = points.matches;
+  const double least = kExplainsMost * matches +
+                       kShareSigmas * std::sqrt(kExplainsMost * (1.0 - kExplainsMost) * matches);
+  return answer.outcome == Outcome::kLocalized && !answer.evidence.gravity_rejected &&
+         points.inliers >= std::max<double>(kEnoughInliers, least);
 }
 
-// What the sample says for the final pose.
-Localization WithEvidenceOf(const Localization& coarse, Localization fine) {
-  const auto sampled_end = fine.point_match_inlier.begin() + std::ssize(coarse.matches.points);
+// What the sample says of the final pose.
+void CountSample(const Localization& coarse, Localization& fine) {
+  const auto sample_end = fine.point_match_inlier.begin() + std::ssize(coarse.matches.points);
   fine.evidence.points = {
-      .matches = static_cast<std::int32_t>(coarse.matches.points.size()),
-      .inliers = std::accumulate(fine.point_match_inlier.begin(), sampled_end, std::int32_t{0})};
+      .matches = coarse.evidence.points.matches,
+      .inliers = std::accumulate(fine.point_match_inlier.begin(), sample_end, std::int32_t{0})};
   fine.evidence.confidence = std::min(fine.evidence.confidence, coarse.evidence.confidence);
-  return fine;
+}
+
+// Statistics add this to what full searches count.
+Localization WithEvidenceOfAll(Localization answer, std::size_t points) {
+  const double times = static_cast<double>(points) / kSampledPoints;
+  for (std::int32_t* count : {&answer.evidence.points.matches, &answer.evidence.points.inliers}) {
+    *count = static_cast<std::int32_t>(std::lround(*count * times));
+  }
+  return answer;
 }
 
 }  // namespace
 
 Result<std::optional<Localization>> TryCoarseToFine(const QueryContext& context,
                                                     const MapSnapshot::Entry& entry,
-                                                    int& iterations, StageTimes& times) {
+                                                    StageTimes& times) {
   const std::size_t points = context.view().points.keypoints_px.size();
-  if (points < kWorthSampling * kSampledPoints) return std::optional<Localization>();
+  if (points < kWorthSampling ||
+      context.MaxErrorVgaPx() > kWidestThreshold * context.options.max_reprojection_error_px) {
+    return std::optional<Localization>();
+  }
   const MatchedProblem sample = MatchSampled(context, *entry.segment, times);
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
   MAPLOC_ASSIGN_OR_RETURN(const Localization coarse,
-                          TryMatches(context, entry, sample.problem, /*fall_back=*/false,
-                                     StartAnswer(context, entry, sample), iterations, times));
+                          TryOnce(context, entry, sample, kMaxIterations, times));
   if (!IsSure(coarse)) return std::optional<Localization>();
 
   const MatchedProblem all = MatchGuided(context, *entry.segment, coarse, times);
-  MAPLOC_ASSIGN_OR_RETURN(Localization fine, RefineKnown(context, entry, all.problem, coarse,
-                                                         StartAnswer(context, entry, all), times));
-  if (fine.outcome != Outcome::kLocalized) return std::optional<Localization>();
-  return std::optional(WithEvidenceOf(coarse, std::move(fine)));
+  Result<Localization> fine = RefineKnown(context, entry, all, coarse, times);
+  if (!fine.ok()) {
+    if (!IsOutOfTime(fine.status())) return fine.status();
+    return std::optional(WithEvidenceOfAll(coarse, points));
+  }
+  CountSample(coarse, *fine);
+  if (!IsSure(*fine)) return std::optional<Localization>();
+  return std::optional(WithEvidenceOfAll(*std::move(fine), points));
 }
 
 }  // namespace maploc

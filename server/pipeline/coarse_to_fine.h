@@ -11,14 +11,16 @@ namespace maploc {
 
 // Finds and judges a pose by the matches of a sample of the points (and all lines). Then matches
 // the other points near where that pose projects the landmarks, refines with all, and judges again.
-// The matches of the answer are all of them, its evidence counts the sample's points alone, as the
-// full search would have matched them: those that were looked for near the pose are no evidence for
-// it.
+// The answer's matches are all of these. Its evidence estimates what the full search would have
+// counted: the sample's points, as many times as the sample goes into all points. Those that were
+// looked for near the pose are no evidence for it.
 //
-// None where the full search must decide: few features, or a pose that was not LOCALIZED twice, or
-// leaves a quarter of the sample unexplained. `iterations` and `times` as TryMatches.
+// None where the full search must decide, as if this had not been tried: few points, a threshold
+// much wider than usual, or a pose that is not LOCALIZED twice with gravity as sent, or does not
+// surely explain three quarters of the sample. If the query is interrupted after the sample's pose
+// was LOCALIZED so, that is the answer.
 Result<std::optional<Localization>> TryCoarseToFine(const QueryContext& context,
                                                     const MapSnapshot::Entry& entry,
-                                                    int& iterations, StageTimes& times);
+                                                    StageTimes& times);
 
 }  // namespace maploc

@@ -8,7 +8,6 @@
 
 #include "mapstore/base/random.h"
 #include "server/matching/mirrored.h"
-#include "server/matching/pose_problem.h"
 #include "server/matching/segment_matching.h"
 #include "server/pipeline/attempt.h"
 #include "server/pipeline/coarse_to_fine.h"
@@ -38,11 +37,7 @@ std::vector<int> Rank(const QueryContext& context, const std::optional<PosePrior
 
 MatchedProblem Match(const QueryContext& context, const Segment& segment, StageTimes& times) {
   const Stopwatch watch(times.matching_ms);
-  const Matches matches = MatchSegment(context.view(), segment);
-  MatchedProblem matched =
-      BuildPoseProblem(matches, context.view(), segment, context.query.gravity);
-  matched.problem.shared_error_rad = context.map.info.shared_error_rad;
-  return matched;
+  return MakeProblem(context, segment, MatchSegment(context.view(), segment));
 }
 
 bool IsTried(AgainstGravity when, Outcome outcome) {
@@ -92,7 +87,11 @@ Localization Weigh(Localization answer, Progress& progress) {
 // is left unexplained, as a mirrored photo leaves it.
 Localization UnlessMirrored(const QueryContext& context, const Segment& segment,
                             Localization answer, StageTimes& times) {
-  if (answer.outcome != Outcome::kLocalized || ExplainsMost(answer.evidence)) return answer;
+  const FeatureCounts& points = answer.evidence.points;
+  if (answer.outcome != Outcome::kLocalized ||
+      points.inliers >= kExplainsMost * static_cast<double>(points.matches)) {
+    return answer;
+  }
   const Stopwatch watch(times.matching_ms);
   if (!MatchesBetterMirrored(context.view(), segment)) return answer;
   return Withheld(std::move(answer), Outcome::kLowConfidence);
@@ -163,8 +162,7 @@ Result<Localization> TryBeyondFirst(const QueryContext& context, const std::vect
 Result<Localization> TrySegments(const QueryContext& context, const std::vector<int>& ranked,
                                  Progress& progress, StageTimes& times) {
   const MapSnapshot::Entry& best = context.map.segments[ranked.front()];
-  MAPLOC_ASSIGN_OR_RETURN(std::optional<Localization> quick,
-                          TryCoarseToFine(context, best, progress.iterations, times));
+  MAPLOC_ASSIGN_OR_RETURN(std::optional<Localization> quick, TryCoarseToFine(context, best, times));
   if (quick) quick = Weigh(*std::move(quick), progress);
   if (quick && quick->outcome == Outcome::kLocalized) return *std::move(quick);
   const bool alone = ranked.size() == 1;

@@ -58,12 +58,12 @@ class GuidedMatchingTest : public ::testing::Test {
     all.insert(all.end(), bytes.begin(), bytes.end());
   }
 
-  std::vector<std::pair<int, int>> Match() {
+  std::vector<std::pair<int, int>> Match(double radius_px = kRadiusPx) {
     const std::vector<FeatureMatch> known = {{0, 0, 0.5f}};
     const std::vector<std::uint8_t> inlier = {1};
     std::vector<std::pair<int, int>> pairs;
     for (const FeatureMatch& match :
-         MatchNearProjections(view_, segment_, Rigid3(), kRadiusPx, known, inlier)) {
+         MatchNearProjections(view_, segment_, Rigid3(), radius_px, known, inlier)) {
       pairs.emplace_back(match.feature, match.landmark);
     }
     return pairs;
@@ -129,6 +129,15 @@ TEST_F(GuidedMatchingTest, LandmarksBehindTheCameraAndBesideTheImageHaveNone) {
   AddLandmark({-50, 200});
   See(2, {2, 200}, 0);
   EXPECT_THAT(Match(), IsEmpty());
+}
+
+TEST_F(GuidedMatchingTest, ASmallRadiusInALargeImageNeedsNoLargeGrid) {
+  view_.camera =
+      Camera::Create(CameraModel::kPinhole, 65536, 65536, {50000, 50000, 32768, 32768}).value();
+  AddLandmark({65000, 65000});
+  See(1, {65000, 65000}, 0);
+  See(1, {65001, 65000}, 0);
+  EXPECT_THAT(Match(0.1), ElementsAre(std::pair(1, 1)));
 }
 
 // Keypoints that stand outside of the image, or on its very border.

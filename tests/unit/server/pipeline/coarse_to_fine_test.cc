@@ -15,6 +15,7 @@ using testing::DrawnWorld;
 using testing::QueryNoise;
 
 constexpr int kManyPoints = 1500;
+constexpr int kSampledPoints = 300;
 
 // A street with so many points that a query is first localized by a sample of them.
 class CoarseToFineTest : public ::testing::Test {
@@ -68,28 +69,29 @@ TEST_F(CoarseToFineTest, UsesAllPointsForThePose) {
   });
   const auto inliers = std::ranges::count(answer.point_match_inlier, 1);
   EXPECT_GT(inliers, 0.85 * right);
-  EXPECT_GT(inliers, 4 * answer.evidence.points.inliers);
+  EXPECT_GT(inliers, 3 * kSampledPoints);
   for (std::size_t i = 0; i < answer.matches.points.size(); ++i) {
     if (answer.point_match_inlier[i] == 0) continue;
     EXPECT_LT(ErrorPx(query, answer, answer.matches.points[i]), 6.0);
   }
 }
 
-// Statistics count what the full search would have matched of the sample; matches that were looked
-// for near the pose would make every segment look better than it is.
-TEST_F(CoarseToFineTest, EvidenceIsThatOfTheFullSearch) {
+// Statistics add this to what full searches count; matches that were looked for near the pose would
+// make every segment look better than it is.
+TEST_F(CoarseToFineTest, EvidenceEstimatesThatOfTheFullSearch) {
   const Query query = See(0.1);
   const Localization answer = Run(query);
   ASSERT_EQ(answer.outcome, Outcome::kLocalized);
-  const std::vector<int> sample = EvenSample(kManyPoints, 250);
+  const std::vector<int> sample = EvenSample(kManyPoints, kSampledPoints);
   FeatureCounts want;
   for (const FeatureMatch& match : FullMatches(query, answer)) {
     if (!std::ranges::binary_search(sample, match.feature)) continue;
     ++want.matches;
     want.inliers += ErrorPx(query, answer, match) < 4.0 ? 1 : 0;
   }
-  EXPECT_EQ(answer.evidence.points.matches, want.matches);
-  EXPECT_NEAR(answer.evidence.points.inliers, want.inliers, 3);
+  constexpr int kTimes = kManyPoints / kSampledPoints;
+  EXPECT_EQ(answer.evidence.points.matches, kTimes * want.matches);
+  EXPECT_NEAR(answer.evidence.points.inliers, kTimes * want.inliers, 3 * kTimes);
   EXPECT_LT(answer.evidence.points.inliers, answer.evidence.points.matches);
 }
 
@@ -114,6 +116,16 @@ TEST_F(CoarseToFineTest, APoorSampleLeavesItToTheFullSearch) {
   ASSERT_EQ(answer.outcome, Outcome::kLocalized);
   EXPECT_EQ(answer.evidence.points.matches, static_cast<int>(FullMatches(query, answer).size()));
   EXPECT_EQ(answer.matches.points.size(), FullMatches(query, answer).size());
+}
+
+// A threshold of a tenth of a pixel, or of a hundred, is a client's own to choose.
+TEST_F(CoarseToFineTest, AnyThresholdOfTheQueryIsServed) {
+  for (const double max_error_px : {0.1, 1000.0}) {
+    Query query = See(0.0);
+    query.max_error_px = max_error_px;
+    const Localization answer = Run(query);
+    EXPECT_LE(answer.evidence.points.inliers, answer.evidence.points.matches);
+  }
 }
 
 TEST_F(CoarseToFineTest, FewPointsAreMatchedAtOnce) {
