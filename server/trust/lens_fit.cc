@@ -154,9 +154,9 @@ bool LensFit::Fit(const LensValues& prior) {
     if (std::abs(lens_(0)) > kLargestLogScale || std::abs(lens_(3)) > kLargestDistortion) {
       return false;
     }
-    if (step.tail<4>().cwiseAbs().maxCoeff() < kSmallestStep) break;
+    if (step.tail<4>().cwiseAbs().maxCoeff() < kSmallestStep) return true;
   }
-  return true;
+  return false;  // it runs away: a flat, slightly bent map looks better the longer the lens
 }
 
 Eigen::Matrix4d LensFit::Covariance() const {

@@ -31,7 +31,8 @@ class LensFit {
   LensFit(const PoseProblem& problem, const RefinedPose& pose, double threshold_px);
 
   // Starts at the result of the last fit. `prior`: standard deviations of the lens about the sent
-  // one. False if there are too few inliers, or if no valid lens results.
+  // one. False if there are too few inliers, or if it does not
+  // converge to a valid lens.
   bool Fit(const LensValues& prior);
 
   const LensValues& lens() const { return lens_; }

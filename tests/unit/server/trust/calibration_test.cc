@@ -72,6 +72,30 @@ TEST(CheckCalibration, SeesDistortionThatNobodyDeclared) {
   EXPECT_GE(refused, 40);
 }
 
+// A sheet that the map has a little bent looks as if seen from infinitely far: the longer the lens,
+// the better it fits, and none fits best. (Photos of a hand-held sheet were refused for it.)
+TEST(CheckCalibration, ALensThatRunsAwayIsNoContradiction) {
+  Random random = TestRandom();
+  for (int i = 0; i < 50; ++i) {
+    PoseProblem problem;
+    problem.focal_length_px = 545.0;
+    problem.has_gravity = false;
+    const Eigen::AngleAxisd tilt(0.2, Eigen::Vector3d::UnitX());
+    const Rigid3 camera_from_map{Eigen::Quaterniond(tilt), {0.0, 0.0, 4.0}};
+    for (int k = 0; k < 120; ++k) {
+      const Eigen::Vector3d position(random.Uniform(-1.0, 1.0), random.Uniform(-0.8, 0.8), 0.0);
+      const Eigen::Vector3d seen = camera_from_map * position;
+      const Eigen::Vector2d noise(random.Gaussian(0.5), random.Gaussian(0.5));
+      // A tenth of the perspective that the map's sheet would have.
+      const double depth = 4.0 + 0.1 * (seen.z() - 4.0);
+      problem.points.push_back({seen.head<2>() / depth + noise / 545.0, position});
+    }
+    const RefinedPose pose = RefinePose(problem, camera_from_map, {});
+    ASSERT_TRUE(pose.converged);
+    EXPECT_TRUE(CheckCalibration(problem, pose, 4.0).consistent) << i;
+  }
+}
+
 TEST(CheckCalibration, HasNoOpinionOfAHandfulOfMatches) {
   Random random = TestRandom();
   const CalibrationCheck check = Check(
