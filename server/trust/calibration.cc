@@ -30,6 +30,9 @@ constexpr double kSuspectedDistance2 = 13.3;
 // Of the support. Tourists' photos of a flat front, whose lenses are only roughly known: at most
 // 6%; a focal length 2% off before a court of depth: 10% (MEASUREMENTS.md).
 constexpr double kClearGain = 0.08;
+// Of a fit that runs away. A hand-held sheet in a bent map: 0.10; true lenses three times as long
+// as sent and more: at least 0.27 (MEASUREMENTS.md).
+constexpr double kRunawayGain = 2.0 * kClearGain;
 constexpr double kMostFocalSigma = 0.1;
 // A flat front leaves little to gain by any lens: there a focal length is beyond doubt where it is
 // five standard deviations off, of its own and of what a map's bends make of one (2%). Tourists'
@@ -48,8 +51,11 @@ struct Found {
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
   double distance2 = 0.0;
   double gain = 0.0;  // of the support
+  bool converged = true;
 
-  bool Contradicts() const { return distance2 > kMaxDistance2 && gain >= kClearGain; }
+  bool Contradicts() const {
+    return distance2 > kMaxDistance2 && gain >= (converged ? kClearGain : kRunawayGain);
+  }
 };
 
 double Distance2(const Found& found) {
@@ -78,6 +84,7 @@ std::optional<Found> FitLens(LensFit& fit, const LensValues& prior, double suppo
   found.lens = fit.lens();
   found.covariance = fit.Covariance();
   found.gain = fit.Support() / support - 1.0;
+  found.converged = fit.converged();
   return found;
 }
 

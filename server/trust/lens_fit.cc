@@ -143,7 +143,8 @@ LensFit::LensFit(const PoseProblem& problem, const RefinedPose& pose, double thr
 
 bool LensFit::Fit(const LensValues& prior) {
   prior_ = prior;
-  for (int i = 0; i < kMaxSteps; ++i) {
+  converged_ = false;
+  for (int i = 0; i < kMaxSteps && !converged_; ++i) {
     const Equations equations = Sum();
     if (equations.features < kLeastFeatures) return false;
     const Vector10 step = Step(equations);
@@ -154,9 +155,9 @@ bool LensFit::Fit(const LensValues& prior) {
     if (std::abs(lens_(0)) > kLargestLogScale || std::abs(lens_(3)) > kLargestDistortion) {
       return false;
     }
-    if (step.tail<4>().cwiseAbs().maxCoeff() < kSmallestStep) return true;
+    converged_ = step.tail<4>().cwiseAbs().maxCoeff() < kSmallestStep;
   }
-  return false;  // it runs away: a flat, slightly bent map looks better the longer the lens
+  return true;
 }
 
 Eigen::Matrix4d LensFit::Covariance() const {

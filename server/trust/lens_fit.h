@@ -31,9 +31,11 @@ class LensFit {
   LensFit(const PoseProblem& problem, const RefinedPose& pose, double threshold_px);
 
   // Starts at the result of the last fit. `prior`: standard deviations of the lens about the sent
-  // one. False if there are too few inliers, or if it does not
-  // converge to a valid lens.
+  // one. False if there are too few inliers, or if no valid lens results.
   bool Fit(const LensValues& prior);
+  // Whether the last fit ended. Otherwise it runs away: a flat, slightly bent map fits better the
+  // longer the lens, and so does a picture from much farther away than its lens says.
+  bool converged() const { return converged_; }
 
   const LensValues& lens() const { return lens_; }
   const PoseMatrix& camera_from_moved_map() const { return pose_; }
@@ -57,6 +59,7 @@ class LensFit {
   PoseMatrix pose_;
   LensValues lens_ = LensValues::Zero();
   LensValues prior_ = LensValues::Ones();
+  bool converged_ = false;
   const double threshold_;          // plane z = 1
   const double sigma_;              // plane z = 1, RefinedPose::feature_sigma_px
   const double noise_information_;  // how much more the features are worth by their noise alone
