@@ -148,9 +148,7 @@ Status Server::Shutdown() {
     grpc_server_->Shutdown(std::chrono::system_clock::now() + kTimeOfWatchers);
     grpc_server_->Wait();
   }
-  const Status status = sessions_ != nullptr
-                            ? sessions_->Shutdown().WithContext("statistics are not on disk")
-                            : Status::Ok();
+  const Status status = WriteOut().WithContext("statistics are not on disk");
   if (!options_.port_file.empty()) RemovePortFile(options_.port_file);
   {
     const std::lock_guard lock(mutex_);
@@ -159,6 +157,16 @@ Status Server::Shutdown() {
   }
   changed_.notify_all();
   return status;
+}
+
+Status Server::WriteOut() {
+  if (sessions_ == nullptr) return Status::Ok();
+  MAPLOC_RETURN_IF_ERROR(sessions_->Shutdown());
+  static_cast<void>(store_->ChangeCounter());  // a read looks at the file's content, too
+  const Status replaced = store_->CheckIdentity();
+  if (replaced.ok()) return replaced;
+  return Status(replaced.code(), replaced.reason(),
+                replaced.message() + "; nothing that was learned since is there");
 }
 
 bool Server::IsStopped() {
