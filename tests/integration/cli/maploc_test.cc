@@ -19,7 +19,8 @@ TEST_F(MaplocTest, WrongUsageIsTwoAndHelpShowsAnExample) {
         "replay --server a:1 --map m --colmap d --strategy 3p",
         "replay --server a:1 --map m --colmap d --label season",
         "localize --server a:1 --map m --image i --camera c --gravity 0,1",
-        "load --server a:1 --map m --colmap d --robots many"}) {
+        "load --server a:1 --map m --colmap d --robots many",
+        "replay --server a:1 --map m --colmap d --without-gravity --gravity-noise-deg 1"}) {
     const Output refused = RunBinary("maploc " + wrong);
     EXPECT_EQ(refused.exit_code, 2) << wrong << ": " << refused.error;
   }
