@@ -24,10 +24,29 @@ TEST_F(MaplocTest, WrongUsageIsTwoAndHelpShowsAnExample) {
     const Output refused = RunBinary("maploc " + wrong);
     EXPECT_EQ(refused.exit_code, 2) << wrong << ": " << refused.error;
   }
+  for (const char* binary : {"maploc", "maploc-map", "maploc-server"}) {
+    EXPECT_EQ(RunBinary(std::string(binary) + " --version").out,
+              std::string(binary) + " " + MAPLOC_VERSION + "\n");
+  }
   for (const char* command : {"localize", "replay", "end-session", "load", "simulate"}) {
     const Output help = RunBinary(std::string("maploc ") + command + " --help");
     EXPECT_EQ(help.exit_code, 0) << command << ": " << help.error;
     EXPECT_THAT(help.out, HasSubstr(std::string("  maploc ") + command));
+  }
+}
+
+// Not what is missing because of it.
+TEST_F(MaplocTest, AMisspeltWordIsNamed) {
+  for (const auto& [line, said] : std::vector<std::pair<std::string, std::string>>{
+           {"maploc localize --sever x", "maploc localize: unknown --sever; see"},
+           {"maploc localise --server x", "maploc: unknown localise; see"},
+           {"maploc-map import-colmap --stor s", "maploc-map import-colmap: unknown --stor; see"},
+           {"maploc-map delete", "maploc-map: unknown delete; see"},
+           {"maploc-map verify", "maploc-map verify: --store is required; see"},
+           {"maploc-server --stor s", "maploc-server: unknown --stor; see"}}) {
+    const Output refused = RunBinary(line);
+    EXPECT_EQ(refused.exit_code, 2) << line;
+    EXPECT_THAT(refused.error, HasSubstr(said));
   }
 }
 
