@@ -46,6 +46,10 @@ TEST_F(MaplocMap, AFailureIsOneWithItsCause) {
   }
   ExpectFails("strategy --store $STORE --map yard --segment 9", "segment 9 of map 'yard'");
   ExpectFails("backup --store $STORE --to " + text, "exists already");
+  for (const std::string command : {"restore", "import"}) {
+    ExpectFails(command + " --store $STORE --from " + none,
+                "none.db: there is no such file; check --from");
+  }
   ExpectFails("plot --store $STORE --map yard --out " + folder_.File("no/plan.svg"), "plan.svg");
 }
 
