@@ -32,7 +32,10 @@ bool CanWriteStore(const std::string& path);
 // Gives the closed store `partial` its name, for good; ALREADY_EXISTS (FILE_EXISTS) where there is
 // such a file: nothing is replaced.
 Status PublishStoreFile(const std::string& partial, const std::string& to);
-// The file and what SQLite keeps beside it; no error where there is none.
+// ALREADY_EXISTS (FILE_EXISTS) where there is a file, UNAVAILABLE where none can be made. Asked
+// before the work, whose file has another name.
+Status CheckNewStoreFile(const std::string& to);
+// The file and what is kept beside it by SQLite and by imports; no error where there is none.
 void RemoveStoreFiles(const std::string& path);
 
 // Copies the store at `from` while it may be in use, as one consistent state. `to` must not exist;

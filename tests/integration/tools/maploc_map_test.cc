@@ -46,6 +46,9 @@ TEST_F(MaplocMap, AFailureIsOneWithItsCause) {
   }
   ExpectFails("strategy --store $STORE --map yard --segment 9", "segment 9 of map 'yard'");
   ExpectFails("backup --store $STORE --to " + text, "exists already");
+  for (const std::string command : {"backup --store $STORE", "export --store $STORE --map yard"}) {
+    ExpectFails(command + " --to " + folder_.File("no/new.db"), "no/new.db: cannot be written");
+  }
   for (const std::string command : {"restore", "import"}) {
     ExpectFails(command + " --store $STORE --from " + none,
                 "none.db: there is no such file; check --from");
