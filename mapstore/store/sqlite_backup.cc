@@ -62,7 +62,9 @@ bool SyncFolderOf(const std::string& path) {
 }
 
 void RemoveStoreFiles(const std::string& path) {
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) std::remove((path + suffix).c_str());
+  for (const char* suffix : {"", "-wal", "-shm", "-journal", "-imports"}) {
+    std::remove((path + suffix).c_str());
+  }
 }
 
 Status CheckNewStoreFile(const std::string& to) {
