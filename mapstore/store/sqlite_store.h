@@ -24,6 +24,10 @@ struct SqliteStoreOptions : StoreOptions {
 Result<std::unique_ptr<MapStore>> OpenSqliteStore(const std::string& path,
                                                   const SqliteStoreOptions& options = {});
 
+// The same errors, as far as the file's first bytes and its log tell, without touching anything; ok
+// where a store could be made.
+Status CheckStore(const std::string& path);
+
 // Whether file and folder may be written by this process; true where there is no store yet. Where
 // not, OpenSqliteStore opens a store to read: what would change it is FAILED_PRECONDITION
 // (STORE_READ_ONLY), and a schema or derivation of another version STORE_TOO_OLD.

@@ -37,8 +37,9 @@ Result<std::unique_ptr<MapStore>> OpenStore(const std::string& path) {
   return store;
 }
 
-// What is only read may be served twice.
+// What is only read may be served twice. No lock is left beside a file that is no store.
 Result<std::optional<ServeLock>> Lock(const std::string& store) {
+  MAPLOC_RETURN_IF_ERROR(CheckStore(store));
   if (!CanWriteStore(store)) return std::optional<ServeLock>();
   MAPLOC_ASSIGN_OR_RETURN(ServeLock lock, ServeLock::Acquire(store));
   return std::optional<ServeLock>(std::move(lock));
