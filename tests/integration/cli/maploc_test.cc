@@ -18,6 +18,9 @@ TEST_F(MaplocTest, WrongUsageIsTwoAndHelpShowsAnExample) {
        {"", "fly", "replay --server 127.0.0.1:1", "end-session --session x --bogus",
         "replay --server a:1 --map m --colmap d --strategy 3p",
         "replay --server a:1 --map m --colmap d --label season",
+        "end-session --server localhost --session x",
+        "end-session --server localhost:0 --session x",
+        "end-session --server localhost:99999 --session x",
         "localize --server a:1 --map m --image i --camera c --gravity 0,1",
         "load --server a:1 --map m --colmap d --robots many",
         "replay --server a:1 --map m --colmap d --without-gravity --gravity-noise-deg 1"}) {
@@ -36,12 +39,14 @@ TEST_F(MaplocTest, WrongUsageIsTwoAndHelpShowsAnExample) {
 }
 
 // Not what is missing because of it.
-TEST_F(MaplocTest, AMisspeltWordIsNamed) {
+TEST_F(MaplocTest, AWrongWordIsNamed) {
   for (const auto& [line, said] : std::vector<std::pair<std::string, std::string>>{
            {"maploc localize --sever x", "maploc localize: unknown --sever; see"},
            {"maploc localise --server x", "maploc: unknown localise; see"},
            {"maploc-map import-colmap --stor s", "maploc-map import-colmap: unknown --stor; see"},
            {"maploc-map delete", "maploc-map: unknown delete; see"},
+           {"maploc end-session --session x --server a:99999",
+            "the port of 'a:99999' must be in [1"},
            {"maploc-map verify", "maploc-map verify: --store is required; see"},
            {"maploc-server --stor s", "maploc-server: unknown --stor; see"}}) {
     const Output refused = RunBinary(line);
