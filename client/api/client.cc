@@ -74,6 +74,9 @@ std::string Explain(const grpc::Status& status, const std::string& server,
   const bool unreachable = status.error_code() == grpc::StatusCode::UNAVAILABLE ||
                            status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
   const std::string proxy = unreachable ? ProxyInUse(server) : "";
+  if (proxy.empty() && status.error_code() == grpc::StatusCode::UNAVAILABLE) {
+    text += "; is maploc-server running there?";
+  }
   if (!proxy.empty()) {
     text += "; the call went through the proxy " + proxy +
             ", put the host into no_proxy to reach it directly";

@@ -47,18 +47,27 @@ Result<std::optional<Gravity>> ParseGravity(const LocalizeFlags& flags) {
   return std::optional(Gravity{down, flags.gravity_sigma_deg * std::numbers::pi / 180.0});
 }
 
-Result<View> ExtractView(const LocalizeFlags& flags, const MapInfo& map) {
+struct Photo {
+  GrayImage image;
+  Camera camera;
+};
+
+Result<Photo> ReadPhoto(const LocalizeFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(Camera camera,
                           ReadCameraFile({flags.camera, flags.image, flags.camera_id}));
-  MAPLOC_ASSIGN_OR_RETURN(const GrayImage image, LoadGrayImage(flags.image));
+  MAPLOC_ASSIGN_OR_RETURN(GrayImage image, LoadGrayImage(flags.image));
   MAPLOC_RETURN_IF_ERROR(
       CheckPhotoSize(flags.image, image.width_px, image.height_px, camera, flags.camera));
-  View view{std::move(camera), Rigid3{}, {}, {}};
+  return Photo{std::move(image), std::move(camera)};
+}
+
+Result<View> ExtractView(const Photo& photo, const MapInfo& map) {
+  View view{photo.camera, Rigid3{}, {}, {}};
   if (!map.point_descriptor.name.empty()) {
-    MAPLOC_ASSIGN_OR_RETURN(view.points, DetectPoints(image, map.point_descriptor));
+    MAPLOC_ASSIGN_OR_RETURN(view.points, DetectPoints(photo.image, map.point_descriptor));
   }
   if (!map.line_descriptor.name.empty()) {
-    MAPLOC_ASSIGN_OR_RETURN(view.lines, DetectLines(image));
+    MAPLOC_ASSIGN_OR_RETURN(view.lines, DetectLines(photo.image));
   }
   return view;
 }
@@ -157,9 +166,10 @@ void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& o
 Status Run(const CommandContext& context, const LocalizeFlags& flags) {
   Query query;
   MAPLOC_ASSIGN_OR_RETURN(query.gravity, ParseGravity(flags));
+  MAPLOC_ASSIGN_OR_RETURN(const Photo photo, ReadPhoto(flags));
   MAPLOC_ASSIGN_OR_RETURN(const Client client, Connect(context));
   MAPLOC_ASSIGN_OR_RETURN(const RemoteMap map, client.GetMap(flags.map));
-  MAPLOC_ASSIGN_OR_RETURN(View view, ExtractView(flags, map.info));
+  MAPLOC_ASSIGN_OR_RETURN(View view, ExtractView(photo, map.info));
   TellAboutPhoto(flags.image, view.camera);
   query.map = flags.map;
   query.views.push_back(std::move(view));

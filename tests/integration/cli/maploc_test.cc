@@ -85,6 +85,13 @@ TEST_F(MaplocTest, AFailureIsOneAndOneLine) {
   }
 }
 
+TEST_F(MaplocTest, AServerThatIsNotThereIsAskedAfter) {
+  ExpectFailed(RunBinary("maploc end-session --server 127.0.0.1:1 --session x"),
+               "is maploc-server running there?");
+  ExpectFailed(RunBinary("maploc localize --server 127.0.0.1:1 --map m --image i --camera absent"),
+               "camera file 'absent'");
+}
+
 TEST_F(MaplocTest, AReplayLocalizesAndReportsWhatScriptsRelyOn) {
   const Output replay = RunBinary("maploc replay" + At() + "--map campus --colmap " +
                                   Campus("model") + " --database " + Campus("database.db") +
