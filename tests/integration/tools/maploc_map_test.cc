@@ -33,6 +33,12 @@ TEST_F(MaplocMap, WrongUsageIsTwo) {
   }
 }
 
+TEST_F(MaplocMap, ChoicesAreToldByTheirNames) {
+  const std::string pin = "strategy --store $STORE --map yard --segment 1 --pin p3p";
+  EXPECT_THAT(Map(pin).error, HasSubstr("p3p not in {1p1l,2p,mixed}"));
+  EXPECT_THAT(Map("plot --help").out, HasSubstr("{strategy,inlier-ratio,change}"));
+}
+
 TEST_F(MaplocMap, AFailureIsOneWithItsCause) {
   const std::string none = folder_.File("none.db");
   ExpectFails("list --store " + none, "none.db: there is no such store");
