@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <optional>
@@ -32,6 +33,12 @@ Status WriteFile(const std::string& path, const std::string& text) {
 }
 
 Status Plot(const CommandContext& context, const PlotFlags& flags) {
+  if (std::filesystem::path(flags.out).extension() != ".svg") {
+    return InvalidArgument("--out",
+                           "'" + flags.out +
+                               "' must end in .svg, the only kind of picture that is "
+                               "drawn; browsers show it, and rsvg-convert makes a PNG of it");
+  }
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
   MAPLOC_ASSIGN_OR_RETURN(const ChangedMap changed, ReadChanged(*store, flags.map, flags.version));
   const MapKey& key = changed.map;
@@ -63,7 +70,9 @@ void AddPlotCommand(CLI::App& app, CommandContext& context) {
       [&context, flags] { return Plot(context, *flags); });
   AddMapOption(*command, flags->map);
   AddVersionOption(*command, flags->version);
-  command->add_option("--out", flags->out, "The picture's file")->required()->type_name("FILE.svg");
+  command->add_option("--out", flags->out, "The picture's file, an SVG")
+      ->required()
+      ->type_name("FILE.svg");
   command->add_option("--colour", flags->colour, "What the colours show")
       ->check(CLI::IsMember({"strategy", "inlier-ratio", "change"}))
       ->capture_default_str();

@@ -60,6 +60,8 @@ TEST_F(MaplocMap, AFailureIsOneWithItsCause) {
                 "none.db: there is no such file; check --from");
   }
   ExpectFails("plot --store $STORE --map yard --out " + folder_.File("no/plan.svg"), "plan.svg");
+  ExpectFails("plot --store $STORE --map yard --out " + folder_.File("plan.png"),
+              "must end in .svg");
 }
 
 TEST_F(MaplocMap, ListSaysWhatThereIs) {
