@@ -50,6 +50,14 @@ class BadFiles : public ::testing::Test {
   const std::string database_ = folder_.File("database.db");
 };
 
+TEST_F(BadFiles, PhotosThatAreNotTheModelsAreToldWithTheCure) {
+  const std::string import = "import-colmap --map facade --store " + store_ + " --model " + text_ +
+                             " --database " + database_ + " --images " + folder_.path();
+  ExpectFailed(Run(import), "img0.jpg: is not there; --images is the folder");
+  WriteFile(folder_.File("img0.jpg"), "P5 4 3 255\n" + std::string(12, '\x80'));
+  ExpectFailed(Run(import), "has 1000x800; give the photos that the model was made of");
+}
+
 // Else the refusals below would say nothing.
 TEST_F(BadFiles, WholeOnesAreTaken) {
   for (const std::string& model : {binary_, text_}) {
