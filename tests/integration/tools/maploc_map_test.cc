@@ -162,6 +162,11 @@ TEST_F(MaplocMap, SessionsAreListed) {
   EXPECT_EQ(sessions[0].at("queries"), 21);
   EXPECT_EQ(sessions[0].at("localized"), 20);
   EXPECT_EQ(sessions[0].at("labels").at("season"), "autumn");
+  Session asked = OpenSession("asked", key_, 3000);
+  asked.labels["maploc.request_id"] = "4711";
+  ASSERT_TRUE(OpenSqliteStore(store_).value()->StartSession(asked).ok());
+  EXPECT_EQ(Map("sessions --store $STORE").out.find("4711"), std::string::npos);
+  EXPECT_EQ(Json("sessions --store $STORE")[2].at("labels").at("maploc.request_id"), "4711");
   EXPECT_EQ(sessions[0].at("segments"), json::array({{{"segment", 1}, {"queries", 21}}}));
   EXPECT_EQ(sessions[0].at("stands_out"), false);
   EXPECT_EQ(sessions[1].at("state"), "open");
