@@ -58,6 +58,14 @@ TEST_F(BadFiles, PhotosThatAreNotTheModelsAreToldWithTheCure) {
   ExpectFailed(Run(import), "has 1000x800; give the photos that the model was made of");
 }
 
+// The map "yard" of this store has lines.
+TEST_F(BadFiles, AVersionWithoutTheLinesOfTheOneBeforeIsRemarked) {
+  const Output run = Run("import-colmap --map yard --gravity 0,0,-1 --scale 1 --store " + store_ +
+                         " --model " + text_ + " --database " + database_);
+  EXPECT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_THAT(run.error, ::testing::HasSubstr("note: the new version has no lines, but version 1"));
+}
+
 // Else the refusals below would say nothing.
 TEST_F(BadFiles, WholeOnesAreTaken) {
   for (const std::string& model : {binary_, text_}) {
