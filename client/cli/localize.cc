@@ -126,11 +126,26 @@ std::string GravityText(const Localization& answer) {
 
 std::string FocalLengthText(const Localization& answer) {
   const bool contradicts = answer.outcome == Outcome::kCalibrationInconsistent;
-  const std::string verdict = contradicts ? ": the calibration contradicts the matches" : "";
+  const std::string verdict =
+      contradicts ? "; another lens (focal length, centre, distortion) explains more of the "
+                    "matches than the one sent: calibrate again, or check --camera"
+                  : "";
   const std::optional<FocalScale>& focal = answer.evidence.focal_scale;
   if (!focal) return "not determined by the matches" + verdict;
   return FormatNumber(focal->scale, 4) + " of the sent one, by the matches (sigma " +
          FormatNumber(focal->sigma, 4) + ")" + verdict;
+}
+
+// Of a pose that was found and not trusted: a confidence near 1 would be a riddle without it.
+std::string DoubtText(const Evidence& evidence) {
+  const auto sum = [&evidence](std::int32_t FeatureCounts::*count) {
+    return evidence.points.*count + evidence.usable_lines.*count + evidence.vertical_lines.*count;
+  };
+  return std::to_string(sum(&FeatureCounts::inliers)) + " of " +
+         std::to_string(sum(&FeatureCounts::matches)) + " matches agree on a pose (rms " +
+         FormatNumber(evidence.inlier_rms_px, 2) +
+         " px), but they may do so by chance, leave the pose undetermined, or fit another pose as "
+         "well";
 }
 
 void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& out) {
@@ -138,6 +153,9 @@ void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& o
   out << OutcomeName(answer.outcome) << " in map " << map.key.name << ", segment " << answer.segment
       << " (" << StrategyName(evidence.strategy) << ", " << evidence.iterations << " iterations, "
       << FormatNumber(answer.times.total_ms, 1) << " ms)\n";
+  if (answer.outcome == Outcome::kLowConfidence) {
+    out << "not trusted  " << DoubtText(evidence) << "\n";
+  }
   if (answer.map_from_body) {
     const Rigid3& pose = *answer.map_from_body;
     const auto sigma = answer.covariance.diagonal().cwiseSqrt();
