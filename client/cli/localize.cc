@@ -195,11 +195,9 @@ Status Run(const CommandContext& context, const LocalizeFlags& flags) {
   query.refinement = flags.method.RequestedRefinement();
   query.max_error_px = flags.method.max_error_px;
   MAPLOC_ASSIGN_OR_RETURN(const Localization answer, client.Localize(query, !flags.draw.empty()));
-  if (!flags.draw.empty()) {
-    MAPLOC_RETURN_IF_ERROR(DrawLocalization(flags.image, query.views[0], answer, flags.draw));
-  }
   context.json ? PrintJson(AnswerJson(answer)) : PrintAnswer(map.info, answer, std::cout);
-  return Status::Ok();
+  if (flags.draw.empty()) return Status::Ok();
+  return DrawLocalization(flags.image, query.views[0], answer, flags.draw);
 }
 
 }  // namespace
@@ -232,7 +230,8 @@ void AddLocalizeCommand(CLI::App& app, CommandContext& context) {
                    "its standard deviation, above 0 and at most 90")
       ->capture_default_str();
   AddMethodFlags(*command, flags->method);
-  command->add_option("--draw", flags->draw, "write the photo with its matches and inliers");
+  command->add_option("--draw", flags->draw,
+                      "write the photo with its matches and inliers: a .png, .jpg, .bmp or .tif");
 }
 
 }  // namespace maploc
