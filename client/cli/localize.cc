@@ -94,6 +94,9 @@ Json PoseJson(const Localization& answer) {
           {"covariance", std::move(covariance)}};
 }
 
+// Gravity was sent, and a pose of the matches alone is there.
+bool WasCompared(const Evidence& evidence) { return evidence.gravity_disagreement_rad != 0.0; }
+
 Json AnswerJson(const Localization& answer) {
   const Evidence& evidence = answer.evidence;
   const std::optional<FocalScale>& focal = evidence.focal_scale;
@@ -106,7 +109,8 @@ Json AnswerJson(const Localization& answer) {
           {"usable_lines", CountsJson(evidence.usable_lines)},
           {"vertical_lines", CountsJson(evidence.vertical_lines)},
           {"confidence", evidence.confidence},
-          {"gravity_disagreement_rad", evidence.gravity_disagreement_rad},
+          {"gravity_disagreement_rad",
+           WasCompared(evidence) ? Json(evidence.gravity_disagreement_rad) : Json()},
           {"gravity_rejected", evidence.gravity_rejected},
           {"inlier_rms_px", evidence.inlier_rms_px},
           {"focal_length_scale", focal ? Json(focal->scale) : Json()},
@@ -116,7 +120,7 @@ Json AnswerJson(const Localization& answer) {
 
 std::string GravityText(const Localization& answer) {
   const Evidence& evidence = answer.evidence;
-  if (evidence.gravity_disagreement_rad == 0.0) return "not compared";
+  if (!WasCompared(evidence)) return "not compared";
   const bool contradicts =
       evidence.gravity_rejected || answer.outcome == Outcome::kGravityInconsistent;
   return FormatNumber(evidence.gravity_disagreement_rad * (180.0 / std::numbers::pi), 2) +

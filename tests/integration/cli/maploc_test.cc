@@ -148,6 +148,7 @@ TEST_F(MaplocTest, APhotoThatIsNotLocalizedTellsWhatItsMatchesLeaveOpen) {
   EXPECT_NE(json["outcome"], "LOCALIZED");
   EXPECT_EQ(json.at("map_from_body"), nullptr);
   EXPECT_EQ(json.at("inlier_rms_px"), 0.0);
+  EXPECT_EQ(json.at("gravity_disagreement_rad"), nullptr);
   EXPECT_EQ(json.at("focal_length_scale"), nullptr);
   EXPECT_EQ(json.at("focal_length_scale_sigma"), nullptr);
   const std::string text = RunBinary(command).out;
