@@ -213,6 +213,8 @@ Client::~Client() = default;
 Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
 
+const std::string& Client::server() const { return impl_->server; }
+
 Result<std::vector<RemoteMap>> Client::ListMaps() const {
   v1::ListMapsResponse response;
   MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->maps, &v1::MapService::Stub::ListMaps,
