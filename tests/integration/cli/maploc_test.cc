@@ -23,7 +23,8 @@ TEST_F(MaplocTest, WrongUsageIsTwoAndHelpShowsAnExample) {
         "end-session --server localhost:99999 --session x",
         "localize --server a:1 --map m --image i --camera c --gravity 0,1",
         "load --server a:1 --map m --colmap d --robots many",
-        "replay --server a:1 --map m --colmap d --without-gravity --gravity-noise-deg 1"}) {
+        "replay --server a:1 --map m --colmap d --without-gravity --gravity-noise-deg 1",
+        "simulate --write-world w --seasons summer"}) {
     const Output refused = RunBinary("maploc " + wrong);
     EXPECT_EQ(refused.exit_code, 2) << wrong << ": " << refused.error;
   }
