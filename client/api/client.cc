@@ -74,6 +74,9 @@ std::string Explain(const grpc::Status& status, const std::string& server,
   const bool unreachable = status.error_code() == grpc::StatusCode::UNAVAILABLE ||
                            status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
   const std::string proxy = unreachable ? ProxyInUse(server) : "";
+  if (proxy.empty() && status.error_code() == grpc::StatusCode::UNAVAILABLE) {
+    text += "; is maploc-server running there?";
+  }
   if (!proxy.empty()) {
     text += "; the call went through the proxy " + proxy +
             ", put the host into no_proxy to reach it directly";
@@ -209,6 +212,8 @@ Client::Client(const std::string& server, const ClientOptions& options)
 Client::~Client() = default;
 Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
+
+const std::string& Client::server() const { return impl_->server; }
 
 Result<std::vector<RemoteMap>> Client::ListMaps() const {
   v1::ListMapsResponse response;

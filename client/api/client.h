@@ -63,6 +63,9 @@ class Client {
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;
 
+  // As it was given.
+  const std::string& server() const;
+
   Result<std::vector<RemoteMap>> ListMaps() const;
   Result<RemoteMap> GetMap(const std::string& map) const;
   Result<std::vector<RemoteSegment>> ListSegments(const std::string& map) const;

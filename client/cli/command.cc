@@ -1,3 +1,4 @@
+#include <charconv>
 #include <cmath>
 #include <iostream>
 
@@ -5,6 +6,22 @@
 #include "client/cli/output.h"
 
 namespace maploc {
+
+namespace {
+
+// Of HOST:PORT and of gRPC's longer forms; "unix:/path" has no port.
+std::string CheckServer(const std::string& server) {
+  const std::size_t colon = server.rfind(':');
+  if (server.starts_with("unix:")) return "";
+  if (colon == std::string::npos || colon == 0) return "must be HOST:PORT, got '" + server + "'";
+  int port = 0;
+  const char* end = server.data() + server.size();
+  const auto [parsed, error] = std::from_chars(server.data() + colon + 1, end, port);
+  if (error == std::errc() && parsed == end && port >= 1 && port <= 65535) return "";
+  return "the port of '" + server + "' must be in [1, 65535]";
+}
+
+}  // namespace
 
 CLI::App* AddCommand(CLI::App& app, CommandContext& context, const std::string& name,
                      const std::string& description, const std::string& example,
@@ -22,7 +39,8 @@ CLI::Option* AddServerFlag(CLI::App& command, CommandContext& context) {
       .add_option("--timeout", context.timeout_s,
                   "seconds that an answer may take; later it is DEADLINE_EXCEEDED")
       ->capture_default_str();
-  return command.add_option("--server", context.server, "the server's HOST:PORT");
+  return command.add_option("--server", context.server, "the server's HOST:PORT")
+      ->check(CheckServer);
 }
 
 Result<ClientOptions> ClientOptionsFrom(const CommandContext& context) {

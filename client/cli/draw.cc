@@ -81,15 +81,20 @@ Status DrawLocalization(const std::string& photo_path, const View& view,
     DrawMatched(view, localization, false, image);
     DrawMatched(view, localization, true, image);
     DrawCaption(localization, image);
+    const std::string extension = std::filesystem::path(out_path).extension().string();
+    if (!cv::haveImageWriter("picture" + extension)) {
+      return InvalidArgument("--draw", "'" + out_path + "' must end in .png, .jpg, .bmp or .tif");
+    }
     // Not imwrite, which does not notice a full disk.
     std::vector<unsigned char> bytes;
-    cv::imencode(std::filesystem::path(out_path).extension().string(), image, bytes);
+    cv::imencode(extension, image, bytes);
     std::ofstream file(out_path, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()),
                static_cast<std::streamsize>(bytes.size()));
     file.close();
     if (file && !bytes.empty()) return Status::Ok();
-    return InvalidArgument("--draw", "'" + out_path + "' could not be written");
+    return InvalidArgument(
+        "--draw", "'" + out_path + "' could not be written; check the folder and the disk");
   } catch (const cv::Exception& error) {
     return InvalidArgument("--draw", "'" + out_path + "': " + error.msg);
   }

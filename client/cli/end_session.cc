@@ -9,7 +9,8 @@
 namespace maploc {
 namespace {
 
-constexpr char kExample[] = "  maploc end-session --server 127.0.0.1:50051 --session ID --json";
+constexpr char kExample[] =
+    "  maploc end-session --server 127.0.0.1:50051 --session 3f9c0d52b7e841a6c1f80a9d4e6b2735";
 
 Status Run(const CommandContext& context, const SessionId& session) {
   MAPLOC_ASSIGN_OR_RETURN(const Client client, Connect(context));
@@ -27,7 +28,8 @@ void AddEndSessionCommand(CLI::App& app, CommandContext& context) {
                  "End a session; ended once more, it answers the same and changes nothing",
                  kExample, [&context, session] { return Run(context, *session); });
   AddServerFlag(*command, context)->required();
-  command->add_option("--session", *session, "the session's id, as replay prints it")->required();
+  command->add_option("--session", *session, "the session's whole id, as replay prints it")
+      ->required();
 }
 
 }  // namespace maploc

@@ -127,9 +127,11 @@ Status Run(const CommandContext& context, const LoadFlags& flags) {
 
 void AddLoadCommand(CLI::App& app, CommandContext& context) {
   auto flags = std::make_shared<LoadFlags>();
-  CLI::App* command = AddCommand(
-      app, context, "load", "Many robots at once, each asking a recording's queries over and over",
-      kExample, [&context, flags] { return Run(context, *flags); });
+  CLI::App* command =
+      AddCommand(app, context, "load",
+                 "Many robots at once, each asking a recording's queries over and over; their "
+                 "sessions count in the map's statistics, unless --without-sessions",
+                 kExample, [&context, flags] { return Run(context, *flags); });
   AddServerFlag(*command, context)->required();
   command->add_option("--map", flags->map, "the map's name")->required();
   AddRecordingFlags(*command, flags->recording);

@@ -47,18 +47,27 @@ Result<std::optional<Gravity>> ParseGravity(const LocalizeFlags& flags) {
   return std::optional(Gravity{down, flags.gravity_sigma_deg * std::numbers::pi / 180.0});
 }
 
-Result<View> ExtractView(const LocalizeFlags& flags, const MapInfo& map) {
+struct Photo {
+  GrayImage image;
+  Camera camera;
+};
+
+Result<Photo> ReadPhoto(const LocalizeFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(Camera camera,
                           ReadCameraFile({flags.camera, flags.image, flags.camera_id}));
-  MAPLOC_ASSIGN_OR_RETURN(const GrayImage image, LoadGrayImage(flags.image));
+  MAPLOC_ASSIGN_OR_RETURN(GrayImage image, LoadGrayImage(flags.image));
   MAPLOC_RETURN_IF_ERROR(
       CheckPhotoSize(flags.image, image.width_px, image.height_px, camera, flags.camera));
-  View view{std::move(camera), Rigid3{}, {}, {}};
+  return Photo{std::move(image), std::move(camera)};
+}
+
+Result<View> ExtractView(const Photo& photo, const MapInfo& map) {
+  View view{photo.camera, Rigid3{}, {}, {}};
   if (!map.point_descriptor.name.empty()) {
-    MAPLOC_ASSIGN_OR_RETURN(view.points, DetectPoints(image, map.point_descriptor));
+    MAPLOC_ASSIGN_OR_RETURN(view.points, DetectPoints(photo.image, map.point_descriptor));
   }
   if (!map.line_descriptor.name.empty()) {
-    MAPLOC_ASSIGN_OR_RETURN(view.lines, DetectLines(image));
+    MAPLOC_ASSIGN_OR_RETURN(view.lines, DetectLines(photo.image));
   }
   return view;
 }
@@ -85,6 +94,9 @@ Json PoseJson(const Localization& answer) {
           {"covariance", std::move(covariance)}};
 }
 
+// Gravity was sent, and a pose of the matches alone is there.
+bool WasCompared(const Evidence& evidence) { return evidence.gravity_disagreement_rad != 0.0; }
+
 Json AnswerJson(const Localization& answer) {
   const Evidence& evidence = answer.evidence;
   const std::optional<FocalScale>& focal = evidence.focal_scale;
@@ -97,7 +109,8 @@ Json AnswerJson(const Localization& answer) {
           {"usable_lines", CountsJson(evidence.usable_lines)},
           {"vertical_lines", CountsJson(evidence.vertical_lines)},
           {"confidence", evidence.confidence},
-          {"gravity_disagreement_rad", evidence.gravity_disagreement_rad},
+          {"gravity_disagreement_rad",
+           WasCompared(evidence) ? Json(evidence.gravity_disagreement_rad) : Json()},
           {"gravity_rejected", evidence.gravity_rejected},
           {"inlier_rms_px", evidence.inlier_rms_px},
           {"focal_length_scale", focal ? Json(focal->scale) : Json()},
@@ -107,7 +120,7 @@ Json AnswerJson(const Localization& answer) {
 
 std::string GravityText(const Localization& answer) {
   const Evidence& evidence = answer.evidence;
-  if (evidence.gravity_disagreement_rad == 0.0) return "not compared";
+  if (!WasCompared(evidence)) return "not compared";
   const bool contradicts =
       evidence.gravity_rejected || answer.outcome == Outcome::kGravityInconsistent;
   return FormatNumber(evidence.gravity_disagreement_rad * (180.0 / std::numbers::pi), 2) +
@@ -117,11 +130,26 @@ std::string GravityText(const Localization& answer) {
 
 std::string FocalLengthText(const Localization& answer) {
   const bool contradicts = answer.outcome == Outcome::kCalibrationInconsistent;
-  const std::string verdict = contradicts ? ": the calibration contradicts the matches" : "";
+  const std::string verdict =
+      contradicts ? "; another lens (focal length, centre, distortion) explains more of the "
+                    "matches than the one sent: calibrate again, or check --camera"
+                  : "";
   const std::optional<FocalScale>& focal = answer.evidence.focal_scale;
   if (!focal) return "not determined by the matches" + verdict;
   return FormatNumber(focal->scale, 4) + " of the sent one, by the matches (sigma " +
          FormatNumber(focal->sigma, 4) + ")" + verdict;
+}
+
+// Of a pose that was found and not trusted: a confidence near 1 would be a riddle without it.
+std::string DoubtText(const Evidence& evidence) {
+  const auto sum = [&evidence](std::int32_t FeatureCounts::*count) {
+    return evidence.points.*count + evidence.usable_lines.*count + evidence.vertical_lines.*count;
+  };
+  return std::to_string(sum(&FeatureCounts::inliers)) + " of " +
+         std::to_string(sum(&FeatureCounts::matches)) + " matches agree on a pose (rms " +
+         FormatNumber(evidence.inlier_rms_px, 2) +
+         " px), but they may do so by chance, leave the pose undetermined, or fit another pose as "
+         "well";
 }
 
 void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& out) {
@@ -129,6 +157,9 @@ void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& o
   out << OutcomeName(answer.outcome) << " in map " << map.key.name << ", segment " << answer.segment
       << " (" << StrategyName(evidence.strategy) << ", " << evidence.iterations << " iterations, "
       << FormatNumber(answer.times.total_ms, 1) << " ms)\n";
+  if (answer.outcome == Outcome::kLowConfidence) {
+    out << "not trusted  " << DoubtText(evidence) << "\n";
+  }
   if (answer.map_from_body) {
     const Rigid3& pose = *answer.map_from_body;
     const auto sigma = answer.covariance.diagonal().cwiseSqrt();
@@ -157,9 +188,10 @@ void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& o
 Status Run(const CommandContext& context, const LocalizeFlags& flags) {
   Query query;
   MAPLOC_ASSIGN_OR_RETURN(query.gravity, ParseGravity(flags));
+  MAPLOC_ASSIGN_OR_RETURN(const Photo photo, ReadPhoto(flags));
   MAPLOC_ASSIGN_OR_RETURN(const Client client, Connect(context));
   MAPLOC_ASSIGN_OR_RETURN(const RemoteMap map, client.GetMap(flags.map));
-  MAPLOC_ASSIGN_OR_RETURN(View view, ExtractView(flags, map.info));
+  MAPLOC_ASSIGN_OR_RETURN(View view, ExtractView(photo, map.info));
   TellAboutPhoto(flags.image, view.camera);
   query.map = flags.map;
   query.views.push_back(std::move(view));
@@ -167,11 +199,9 @@ Status Run(const CommandContext& context, const LocalizeFlags& flags) {
   query.refinement = flags.method.RequestedRefinement();
   query.max_error_px = flags.method.max_error_px;
   MAPLOC_ASSIGN_OR_RETURN(const Localization answer, client.Localize(query, !flags.draw.empty()));
-  if (!flags.draw.empty()) {
-    MAPLOC_RETURN_IF_ERROR(DrawLocalization(flags.image, query.views[0], answer, flags.draw));
-  }
   context.json ? PrintJson(AnswerJson(answer)) : PrintAnswer(map.info, answer, std::cout);
-  return Status::Ok();
+  if (flags.draw.empty()) return Status::Ok();
+  return DrawLocalization(flags.image, query.views[0], answer, flags.draw);
 }
 
 }  // namespace
@@ -204,7 +234,8 @@ void AddLocalizeCommand(CLI::App& app, CommandContext& context) {
                    "its standard deviation, above 0 and at most 90")
       ->capture_default_str();
   AddMethodFlags(*command, flags->method);
-  command->add_option("--draw", flags->draw, "write the photo with its matches and inliers");
+  command->add_option("--draw", flags->draw,
+                      "write the photo with its matches and inliers: a .png, .jpg, .bmp or .tif");
 }
 
 }  // namespace maploc

@@ -5,6 +5,7 @@
 
 #include "client/cli/commands.h"
 #include "mapstore/base/standard_output.h"
+#include "mapstore/base/usage.h"
 
 namespace maploc {
 namespace {
@@ -35,6 +36,7 @@ Status Run(const CommandContext& context) {
 int Main(int argc, char** argv) {
   CLI::App app("maploc: localize a robot in a server's map, or replay a recorded one", "maploc");
   app.require_subcommand(1);
+  AddUsage(app);
   CommandContext context;
   AddLocalizeCommand(app, context);
   AddReplayCommand(app, context);

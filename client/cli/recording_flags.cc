@@ -13,14 +13,23 @@ void AddRecordingFlags(CLI::App& command, RecordingOptions& options) {
   CLI::Option* csv =
       command.add_option("--gravity-csv", options.gravity.csv,
                          "measured gravity, name,gx,gy,gz: down, camera frame, unit or in m/s^2");
+  CLI::Option* noise =
+      command
+          .add_option("--gravity-noise-deg", options.gravity.noise_deg,
+                      "gravity from the reference as the map has it (a wrong gravity of the map is "
+                      "therefore not noticed), rotated by N(0, S) about the two horizontal axes; "
+                      "without it and without --gravity-csv the exact direction is sent")
+          ->excludes(csv);
+  CLI::Option* sigma =
+      command.add_option("--gravity-sigma-deg", options.gravity.sigma_deg,
+                         "standard deviation that is sent, above 0 and at most 90 (default: the "
+                         "noise, but at least 0.05, or 1 with a CSV)");
   command
-      .add_option("--gravity-noise-deg", options.gravity.noise_deg,
-                  "gravity from the reference as the map has it (a wrong gravity of the map is "
-                  "therefore not noticed), rotated by N(0, S) about the two horizontal axes")
-      ->excludes(csv);
-  command.add_option("--gravity-sigma-deg", options.gravity.sigma_deg,
-                     "standard deviation that is sent, above 0 and at most 90 (default: the "
-                     "noise, or 1 with a CSV)");
+      .add_flag("--without-gravity", options.gravity.none,
+                "send no gravity, as `localize` without --gravity")
+      ->excludes(csv)
+      ->excludes(noise)
+      ->excludes(sigma);
   command.add_option("--max-features", options.max_features,
                      "points of a query, the strongest (default: the server's limit of 20000 from "
                      "--database, 5000 from --images)");

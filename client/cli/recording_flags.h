@@ -14,7 +14,7 @@
 namespace maploc {
 
 // --colmap, --database, --images, --gravity-csv, --gravity-noise-deg, --gravity-sigma-deg,
-// --max-features, --seed.
+// --without-gravity, --max-features, --seed.
 void AddRecordingFlags(CLI::App& command, RecordingOptions& options);
 
 // --strategy, --refine and --max-error as they stand on the command line.

@@ -64,6 +64,11 @@ Status Run(const CommandContext& context, const ReplayFlags& flags) {
   }();
   if (!report.ok()) return report.status();
   context.json ? PrintJson(ReplayJson(map, *report)) : PrintReplay(map, *report, std::cout);
+  if (!JudgesWrong(map, *report)) {
+    PrintNotes(
+        {"wrong answers cannot be judged: the map has no unit (import it with --scale), and "
+         "no image of the query model observes points"});
+  }
   if (report->CountLate() > 0) {
     PrintNotes({LateText(*report, context.timeout_s)});
   }

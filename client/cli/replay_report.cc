@@ -131,6 +131,10 @@ void PrintInputFaults(const InputFaults& faults, std::ostream& out) {
 
 }  // namespace
 
+bool JudgesWrong(const RemoteMap& map, const ReplayReport& report) {
+  return map.info.metric || TellsDepthShares(map, report);
+}
+
 Json SummaryJson(const SessionSummary& summary) {
   Json segments = Json::array();
   for (const SessionSummary::SegmentChange& change : summary.segments) {
@@ -203,12 +207,12 @@ void PrintReplay(const RemoteMap& map, const ReplayReport& report, std::ostream&
         << " within 1% of the scene's depth and 1 degree; median error "
         << FormatNumber(100.0 * report.MedianDepthShare().value_or(0.0), 2) << "% of the depth, ";
   } else {
-    out << metrics.wrong << " wrong; median error "
-        << FormatNumber(metrics.median_translation_error_m, 3)
+    if (map.info.metric) out << metrics.wrong << " wrong; ";
+    out << "median error " << FormatNumber(metrics.median_translation_error_m, 3)
         << (map.info.metric ? " m, " : " map units, ");
   }
   out << FormatNumber(metrics.median_rotation_error_deg, 3) << " deg\n";
-  if (!TellsDepthShares(map, report)) {
+  if (map.info.metric) {
     out << "recall";
     for (std::size_t i = 0; i < kRecallThresholds.size(); ++i) {
       out << "  " << kRecallThresholds[i].name << " " << FormatNumber(metrics.recall[i], 3);

@@ -310,10 +310,14 @@ void AddSimulateCommand(CLI::App& app, CommandContext& context) {
       ->excludes(write);
   command->add_option("--seasons", flags->seasons, "in their order, one session a robot in each")
       ->delimiter(',')
+      ->excludes(write)
       ->check(CLI::IsMember({"summer", "autumn", "winter", "spring"}))
       ->capture_default_str();
-  command->add_option("--robots", flags->robots, "how many drive at once")->capture_default_str();
+  command->add_option("--robots", flags->robots, "how many drive at once")
+      ->excludes(write)
+      ->capture_default_str();
   command->add_option("--queries", flags->queries, "of a session: once around the campus")
+      ->excludes(write)
       ->capture_default_str();
   command->add_option("--seed", flags->seed, "of the campus and of the robots")
       ->capture_default_str();

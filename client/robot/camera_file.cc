@@ -84,7 +84,11 @@ struct CameraLine {
   std::string where;
 };
 
-// By id; an id that is no number is 0, and the line's parser will say so.
+constexpr char kWhatCamerasAre[] =
+    "; it must be a line of COLMAP's cameras.txt, such as '1 PINHOLE 640 480 500 500 320 240', or "
+    "an EuRoC sensor.yaml";
+
+// By id.
 Result<std::map<std::int64_t, CameraLine>> ReadCameraLines(const std::string& path) {
   std::ifstream file = OpenText(path);
   if (!file) return NotFound("camera file '" + path + "'", "FILE_NOT_FOUND");
@@ -95,15 +99,16 @@ Result<std::map<std::int64_t, CameraLine>> ReadCameraLines(const std::string& pa
     if (first == std::string::npos || line[first] == '#') continue;
     const std::string where = path + ":" + std::to_string(number);
     std::int64_t id = 0;
-    std::from_chars(line.data() + first, line.data() + line.size(), id);
+    const auto parsed = std::from_chars(line.data() + first, line.data() + line.size(), id);
+    if (parsed.ec != std::errc()) {
+      return InvalidFile(where, std::string("is no camera") + kWhatCamerasAre);
+    }
     if (!lines.emplace(id, CameraLine{line, where}).second) {
       return InvalidFile(where, "camera " + std::to_string(id) + " stands twice");
     }
   }
   if (!lines.empty()) return lines;
-  return InvalidFile(path,
-                     "holds no camera; it must be a line of COLMAP's cameras.txt, such as "
-                     "'1 PINHOLE 640 480 500 500 320 240', or an EuRoC sensor.yaml");
+  return InvalidFile(path, std::string("holds no camera") + kWhatCamerasAre);
 }
 
 // images.txt has two lines an image: "ID QW QX QY QZ TX TY TZ CAMERA NAME", then its keypoints,

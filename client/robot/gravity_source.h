@@ -15,6 +15,7 @@
 namespace maploc {
 
 struct GravityOptions {
+  bool none = false;                // no query has a gravity; the others then say nothing
   std::string csv;                  // formats/colmap.h ReadGravityCsv; empty: from the reference
   double noise_deg = 0.0;           // standard deviation about each horizontal axis, with no csv
   std::optional<double> sigma_deg;  // that is sent; default: noise_deg, or 1 with a csv

@@ -146,7 +146,9 @@ Result<Query> RecordedRobot::MakeQuery(int index) const {
   query.request_id = image.name;
   query.map = map_.key.name;
   query.views.push_back(std::move(view));
-  MAPLOC_ASSIGN_OR_RETURN(query.gravity, gravity_.For(image.name, CameraFromMap(index)));
+  if (!options_.gravity.none) {
+    MAPLOC_ASSIGN_OR_RETURN(query.gravity, gravity_.For(image.name, CameraFromMap(index)));
+  }
   return query;
 }
 

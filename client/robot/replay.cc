@@ -87,15 +87,16 @@ Status AskAll(Runner& runner, const Robot& robot, const ReplayOptions& options,
 
 // What has become of a session that is not whole, and the way back.
 Status Explain(const Status& failure, const ReplayReport& report, const Robot& robot,
-               const ReplayOptions& options, const Result<SessionSummary>& ended) {
+               const ReplayOptions& options, const Result<SessionSummary>& ended,
+               const std::string& server) {
   const std::string& id = report.session;
-  const std::string revoke = "`maploc-map revoke --session " + id + "`";
   const std::string answers = std::to_string(report.entries.size()) + " of " +
                               std::to_string(robot.QueryCount()) + " answers";
   std::string text = failure.message() + "; session " + id;
   if (!ended.ok()) {
-    text += " has " + answers + " and may be open still: `maploc end-session --session " + id +
-            "` ends it, " + revoke + " takes it back";
+    text += " has " + answers + " and may be open still: `maploc end-session --server " + server +
+            " --session " + id + "` ends it, `maploc-map revoke --store STORE --session " + id +
+            "` takes it back";
   } else if (options.keep_partial) {
     text += " was ended after " + answers + ", and its " + std::to_string(ended->queries) +
             " queries count";
@@ -174,7 +175,7 @@ Result<ReplayReport> Replay(const Client& client, const std::string& map, const 
   if (ended.ok()) report.summary = *ended;
   if (report.failure.ok()) report.failure = ended.status();
   if (report.failure.ok()) return report;
-  report.failure = Explain(report.failure, report, robot, options, ended);
+  report.failure = Explain(report.failure, report, robot, options, ended, client.server());
   if (!options.keep_partial) return report.failure;
   return report;
 }

@@ -45,7 +45,9 @@ float ScaleOf(const float* keypoint, std::int64_t cols) {
 class Reader {
  public:
   Reader(SqliteColmapFile file, const std::optional<DescriptorKind>& kind)
-      : file_(std::move(file)), kind_(kind && !kind->name.empty() ? kind : std::nullopt) {}
+      : file_(std::move(file)),
+        asked_for_(kind && !kind->name.empty()),
+        kind_(asked_for_ ? kind : std::nullopt) {}
 
   Result<std::map<std::string, ColmapFeatures>> Read() {
     MAPLOC_RETURN_IF_ERROR(CheckTables());
@@ -187,10 +189,13 @@ class Reader {
     return RowError("descriptors", features,
                     "has " + std::to_string(cols) + " columns, but descriptors of kind " +
                         kind_->name + " have " + std::to_string(kind_->bytes) +
-                        "; extract the features of all images with one program and its settings");
+                        (asked_for_ ? "; leave --descriptors out, the database's kind is then taken"
+                                    : "; extract the features of all images with one program and "
+                                      "its settings"));
   }
 
   SqliteColmapFile file_;
+  const bool asked_for_;  // kind_ was; else it is the database's
   std::optional<DescriptorKind> kind_;
 };
 

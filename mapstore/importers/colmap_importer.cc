@@ -116,6 +116,7 @@ class Importer {
     const std::vector<std::vector<int>> cuts =
         CutPath(frames_, OrderAlongPath(frames_), report_.segment_length);
     report_.info.created_unix_ns = SystemClock().NowUnixNanos();
+    if (lines_.empty()) TellLostLines(store);
     MAPLOC_ASSIGN_OR_RETURN(const std::unique_ptr<MapWriter> writer,
                             store.BeginImport(report_.info));
     for (const std::vector<int>& segment_frames : cuts) {
@@ -144,6 +145,16 @@ class Importer {
   }
 
  private:
+  void TellLostLines(const MapStore& store) {
+    const Result<MapSummary> before = store.GetMap(options_.map_name);
+    if (!before.ok() || before->lines == 0) return;
+    const std::string version = std::to_string(before->info.key.version);
+    report_.notices.push_back("the new version has no lines, but version " + version + " has " +
+                              std::to_string(before->lines) +
+                              "; are --images missing? `maploc-map export --version " + version +
+                              "` and `import` bring the old one back");
+  }
+
   // Lines speak of gravity and become landmarks; where gravity is given and no landmarks are asked
   // for, they are not worth their time.
   Status LookAtThePhotos() {

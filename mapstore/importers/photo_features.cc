@@ -1,6 +1,7 @@
 #include "mapstore/importers/photo_features.h"
 
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -9,12 +10,17 @@ namespace {
 
 Result<GrayImage> LoadPhoto(const std::string& images_directory, const KeyFrame& frame) {
   const std::string path = images_directory + "/" + frame.name;
+  if (!std::filesystem::is_regular_file(path)) {
+    return InvalidFile(path,
+                       "is not there; --images is the folder that the model's names start from");
+  }
   MAPLOC_ASSIGN_OR_RETURN(GrayImage image, LoadGrayImage(path));
   if (image.width_px != frame.camera.width_px() || image.height_px != frame.camera.height_px()) {
     return InvalidFile(path, "is " + std::to_string(image.width_px) + "x" +
                                  std::to_string(image.height_px) + " pixels, but its camera has " +
                                  std::to_string(frame.camera.width_px()) + "x" +
-                                 std::to_string(frame.camera.height_px()));
+                                 std::to_string(frame.camera.height_px()) +
+                                 "; give the photos that the model was made of, in their size");
   }
   return image;
 }

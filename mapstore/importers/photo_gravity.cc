@@ -37,8 +37,9 @@ void AddLines(const GravityEvidence& evidence, const CameraLevels& levels, Photo
 
 std::string DoubtTilt(const GravityEvidence& evidence, const CameraLevels& levels,
                       const PhotoGravity& gravity) {
-  std::string doubt = DescribeHolding(evidence.camera_from_source, levels) +
-                      "; it is known to within " + Degrees(Interval95Rad(gravity.fit)) + " only";
+  std::string doubt = DescribeHolding(evidence.camera_from_source, levels) + "; the estimate " +
+                      DirectionText(gravity.fit.direction) + " is known to within " +
+                      Degrees(Interval95Rad(gravity.fit)) + " only";
   if (evidence.lines.empty()) {
     doubt += " (pass the photos with --images, so that vertical edges can be used)";
   }

@@ -75,7 +75,9 @@ Result<SourceGravity> TakeEstimate(const PhotoGravity& photos) {
                          photos.basis, ""};
   }
   std::string cure = "; give it as --gravity X,Y,Z (down, in the model's frame)";
-  if (photos.has_axis) {
+  if (!photos.has_axis) {
+    cure += ", for example the direction from the top to the foot of a house's edge";
+  } else {
     cure += ": " + DirectionText(photos.fit.direction) +
             " if the photos are the right way up, the opposite if they are upside down";
   }

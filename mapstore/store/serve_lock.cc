@@ -24,7 +24,7 @@ Result<ServeLock> ServeLock::Acquire(const std::string& store_path) {
   ServeLock lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
   if (lock.file_ < 0) {
     return CannotLock(path, errno, "cannot be opened",
-                      "the store's folder must exist, and the server be allowed to write in it");
+                      "the store's folder must exist, and this program be allowed to write in it");
   }
   struct flock whole_file {};
   whole_file.l_type = F_WRLCK;

@@ -27,6 +27,11 @@ Status CopyPages(SqliteDatabase& from, SqliteDatabase& to) {
   return result == SQLITE_DONE ? Status::Ok() : to.ErrorOf(result);
 }
 
+std::filesystem::path FolderOf(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  return folder.empty() ? "." : folder;
+}
+
 Status NotWritten(const std::string& to) {
   return Status(StatusCode::kUnavailable, "BACKUP_NOT_WRITTEN",
                 to + ": cannot be written (" + std::strerror(errno) + "); check the folder");
@@ -49,9 +54,7 @@ Status CopyStore(SqliteDatabase& source, const std::string& to) {
 }
 
 bool SyncFolderOf(const std::string& path) {
-  std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  if (folder.empty()) folder = ".";
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int descriptor = open(FolderOf(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return false;
   const bool synced = fsync(descriptor) == 0;
   close(descriptor);
@@ -59,7 +62,16 @@ bool SyncFolderOf(const std::string& path) {
 }
 
 void RemoveStoreFiles(const std::string& path) {
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) std::remove((path + suffix).c_str());
+  for (const char* suffix : {"", "-wal", "-shm", "-journal", "-imports"}) {
+    std::remove((path + suffix).c_str());
+  }
+}
+
+Status CheckNewStoreFile(const std::string& to) {
+  std::error_code error;
+  if (std::filesystem::exists(to, error)) return FileExists(to);
+  return faccessat(AT_FDCWD, FolderOf(to).c_str(), W_OK, AT_EACCESS) == 0 ? Status::Ok()
+                                                                          : NotWritten(to);
 }
 
 // A link fails where the name exists by now; a rename would replace what is there.
@@ -72,8 +84,7 @@ Status BackupSqliteStore(const std::string& from, const std::string& to) {
   SqliteStoreOptions options;
   options.create = false;
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase source, OpenStoreFile(from, options));
-  std::error_code error;
-  if (std::filesystem::exists(to, error)) return FileExists(to);
+  MAPLOC_RETURN_IF_ERROR(CheckNewStoreFile(to));
   const std::string partial = to + ".partial-" + std::to_string(getpid());
   Status status = CopyStore(source, partial);
   if (status.ok()) status = PublishStoreFile(partial, to);

@@ -177,6 +177,11 @@ Status CheckStoreFile(const std::string& path) {
   return CheckBytes(path);
 }
 
+Status CheckStore(const std::string& path) {
+  MAPLOC_ASSIGN_OR_RETURN(const bool exists, CheckPath(path, /*create=*/true));
+  return exists ? CheckBytes(path) : Status::Ok();
+}
+
 Result<SqliteDatabase> OpenStoreFile(const std::string& path, const SqliteStoreOptions& options) {
   MAPLOC_ASSIGN_OR_RETURN(const bool exists, CheckPath(path, options.create));
   if (exists) MAPLOC_RETURN_IF_ERROR(CheckBytes(path));

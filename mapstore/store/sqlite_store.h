@@ -24,6 +24,10 @@ struct SqliteStoreOptions : StoreOptions {
 Result<std::unique_ptr<MapStore>> OpenSqliteStore(const std::string& path,
                                                   const SqliteStoreOptions& options = {});
 
+// The same errors, as far as the file's first bytes and its log tell, without touching anything; ok
+// where a store could be made.
+Status CheckStore(const std::string& path);
+
 // Whether file and folder may be written by this process; true where there is no store yet. Where
 // not, OpenSqliteStore opens a store to read: what would change it is FAILED_PRECONDITION
 // (STORE_READ_ONLY), and a schema or derivation of another version STORE_TOO_OLD.
@@ -32,7 +36,10 @@ bool CanWriteStore(const std::string& path);
 // Gives the closed store `partial` its name, for good; ALREADY_EXISTS (FILE_EXISTS) where there is
 // such a file: nothing is replaced.
 Status PublishStoreFile(const std::string& partial, const std::string& to);
-// The file and what SQLite keeps beside it; no error where there is none.
+// ALREADY_EXISTS (FILE_EXISTS) where there is a file, UNAVAILABLE where none can be made. Asked
+// before the work, whose file has another name.
+Status CheckNewStoreFile(const std::string& to);
+// The file and what is kept beside it by SQLite and by imports; no error where there is none.
 void RemoveStoreFiles(const std::string& path);
 
 // Copies the store at `from` while it may be in use, as one consistent state. `to` must not exist;

@@ -1,3 +1,5 @@
+#include <filesystem>
+
 #include "mapstore/store/sqlite_store.h"
 #include "mapstore/tools/commands.h"
 
@@ -45,6 +47,13 @@ Result<MapSummary> FindMap(const MapStore& store, const std::string& name,
   if (!version) return store.GetMap(name);
   if (*version < 1) return InvalidArgument("version", "must be 1 or more");
   return store.GetMap(MapKey{name, *version});
+}
+
+Status CheckFrom(const std::string& from) {
+  std::error_code error;
+  if (std::filesystem::exists(from, error)) return Status::Ok();
+  return Status(StatusCode::kNotFound, "FILE_NOT_FOUND",
+                from + ": there is no such file; check --from");
 }
 
 Result<std::unique_ptr<MapStore>> OpenExistingStore(const CommandContext& context) {

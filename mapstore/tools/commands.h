@@ -39,6 +39,9 @@ void AddVersionOption(CLI::App& command, std::optional<std::int64_t>& version); 
 Result<MapSummary> FindMap(const MapStore& store, const std::string& name,
                            std::optional<std::int64_t> version);
 
+// NOT_FOUND with the cure where --from names no file; what else it must be is told by its reader.
+Status CheckFrom(const std::string& from);
+
 // The store at context.store_path, which must exist: a command that reads makes none.
 Result<std::unique_ptr<MapStore>> OpenExistingStore(const CommandContext& context);
 // The same, but created where it does not exist (for imports).

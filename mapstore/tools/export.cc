@@ -23,6 +23,7 @@ Result<MapKey> WriteFile(const MapStore& store, const MapInfo& info, const std::
 }
 
 Status ExportTo(const MapStore& store, const MapInfo& info, const std::string& to) {
+  MAPLOC_RETURN_IF_ERROR(CheckNewStoreFile(to));
   const std::string partial = to + ".partial-" + std::to_string(getpid());
   Status status = WriteFile(store, info, partial).status();
   if (status.ok()) status = PublishStoreFile(partial, to);

@@ -26,6 +26,7 @@ Result<MapInfo> ChooseMap(const MapStore& file, const ImportFlags& flags) {
 }
 
 Status Import(const CommandContext& context, const ImportFlags& flags) {
+  MAPLOC_RETURN_IF_ERROR(CheckFrom(flags.from));
   SqliteStoreOptions existing;
   existing.create = false;
   MAPLOC_ASSIGN_OR_RETURN(const auto file, OpenSqliteStore(flags.from, existing));

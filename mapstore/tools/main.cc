@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "mapstore/base/standard_output.h"
+#include "mapstore/base/usage.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/restore.h"
 #ifdef MAPLOC_HAS_IMPORT_COLMAP
@@ -66,6 +67,7 @@ int main(int argc, char** argv) {
   CLI::App app("Makes, inspects and looks after maploc's stores", "maploc-map");
   app.footer("Each command's --help has an example.");
   app.require_subcommand(1);
+  maploc::AddUsage(app);
   maploc::CommandContext context;
   AddCommands(app, context);
   try {

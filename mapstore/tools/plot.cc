@@ -1,6 +1,6 @@
+#include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <map>
 #include <optional>
 
 #include "mapstore/tools/commands.h"
@@ -15,19 +15,12 @@ struct PlotFlags {
   std::string map;
   std::optional<std::int64_t> version;  // else the newest
   std::string out;
-  PlotColour colour = PlotColour::kStrategy;
+  std::string colour = "strategy";
 };
 
-std::string_view NameOf(PlotColour colour) {
-  switch (colour) {
-    case PlotColour::kStrategy:
-      return "strategy";
-    case PlotColour::kInlierRatio:
-      return "inlier ratio";
-    case PlotColour::kChange:
-      return "change";
-  }
-  return "unknown";
+PlotColour ColourFromName(const std::string& name) {
+  if (name == "inlier-ratio") return PlotColour::kInlierRatio;
+  return name == "change" ? PlotColour::kChange : PlotColour::kStrategy;
 }
 
 Status WriteFile(const std::string& path, const std::string& text) {
@@ -40,6 +33,12 @@ Status WriteFile(const std::string& path, const std::string& text) {
 }
 
 Status Plot(const CommandContext& context, const PlotFlags& flags) {
+  if (std::filesystem::path(flags.out).extension() != ".svg") {
+    return InvalidArgument("--out",
+                           "'" + flags.out +
+                               "' must end in .svg, the only kind of picture that is "
+                               "drawn; browsers show it, and rsvg-convert makes a PNG of it");
+  }
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
   MAPLOC_ASSIGN_OR_RETURN(const ChangedMap changed, ReadChanged(*store, flags.map, flags.version));
   const MapKey& key = changed.map;
@@ -48,10 +47,11 @@ Status Plot(const CommandContext& context, const PlotFlags& flags) {
     MAPLOC_ASSIGN_OR_RETURN(auto loaded, store->LoadSegment(key, segment.id));
     landmarks.push_back(std::move(loaded));
   }
-  const std::string title = key.name + ", version " + std::to_string(key.version) +
-                            ", segments by " + std::string(NameOf(flags.colour));
+  const std::string title =
+      key.name + ", version " + std::to_string(key.version) + ", segments by " + flags.colour;
   MAPLOC_RETURN_IF_ERROR(WriteFile(
-      flags.out, PlotSvg(title, flags.colour, changed.segments, changed.changes, landmarks)));
+      flags.out,
+      PlotSvg(title, ColourFromName(flags.colour), changed.segments, changed.changes, landmarks)));
   if (context.json) {
     PrintJson({{"map", key.name}, {"out", flags.out}});
   } else {
@@ -70,13 +70,12 @@ void AddPlotCommand(CLI::App& app, CommandContext& context) {
       [&context, flags] { return Plot(context, *flags); });
   AddMapOption(*command, flags->map);
   AddVersionOption(*command, flags->version);
-  command->add_option("--out", flags->out, "The picture's file")->required()->type_name("FILE.svg");
-  const std::map<std::string, PlotColour> names = {{"strategy", PlotColour::kStrategy},
-                                                   {"inlier-ratio", PlotColour::kInlierRatio},
-                                                   {"change", PlotColour::kChange}};
-  command->add_option("--colour", flags->colour, "What the colours show; the first is the default")
-      ->transform(CLI::CheckedTransformer(names))
-      ->type_name("strategy|inlier-ratio|change");
+  command->add_option("--out", flags->out, "The picture's file, an SVG")
+      ->required()
+      ->type_name("FILE.svg");
+  command->add_option("--colour", flags->colour, "What the colours show")
+      ->check(CLI::IsMember({"strategy", "inlier-ratio", "change"}))
+      ->capture_default_str();
 }
 
 }  // namespace maploc

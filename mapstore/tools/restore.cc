@@ -9,6 +9,7 @@ namespace maploc {
 namespace {
 
 Status Restore(const CommandContext& context, const std::string& from) {
+  MAPLOC_RETURN_IF_ERROR(CheckFrom(from));
   MAPLOC_ASSIGN_OR_RETURN(const RestoredStore restored,
                           RestoreSqliteStore(context.store_path, from));
   if (context.json) {

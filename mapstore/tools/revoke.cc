@@ -88,10 +88,12 @@ Status Revoke(const CommandContext& context, const RevokeFlags& flags) {
 void AddRevokeCommand(CLI::App& app, CommandContext& context) {
   auto flags = std::make_shared<RevokeFlags>();
   CLI::App* command = AddCommand(app, context, "revoke", "Excludes a session from all statistics",
-                                 "maploc-map revoke --store campus.db --session 3f9c\n"
+                                 "maploc-map revoke --store campus.db --session "
+                                 "3f9c0d52b7e841a6c1f80a9d4e6b2735\n"
                                  "A running server follows within a second.",
                                  [&context, flags] { return Revoke(context, *flags); });
-  command->add_option("--session", flags->session, "The session, as `sessions` lists them")
+  command
+      ->add_option("--session", flags->session, "The session's whole id, as `sessions` lists them")
       ->required()
       ->type_name("ID");
   command->add_flag("--undo", flags->undo, "Let it count again");

@@ -66,6 +66,7 @@ void PrintTable(const std::vector<SessionLine>& lines) {
     const Session& session = line.session;
     std::string labels;
     for (const auto& [name, value] : session.labels) {
+      if (name.starts_with("maploc.")) continue;  // the server's own; --json has them
       labels += (labels.empty() ? "" : ", ") + name + "=" + value;
     }
     table.AddRow({session.id, session.map.name, std::to_string(session.map.version), session.robot,

@@ -105,6 +105,8 @@ void PrintText(const std::vector<SessionGroup>& groups, const GroupOptions& opti
                 << "\n";
     }
     PrintTable(group.segments);
+    std::cout << "p, l, lv: what a query typically has of matches with points, with usable and "
+                 "with vertical lines.\n";
     PrintDeclines(DeclinesOf(group.segments));
     std::cout << "\n";
   }

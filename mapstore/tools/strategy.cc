@@ -9,8 +9,7 @@ namespace {
 struct StrategyFlags {
   std::string map;
   SegmentId segment = 0;
-  Strategy pin = Strategy::kMixed;
-  bool has_pin = false;
+  std::string pin;  // a strategy's name; empty: left as it is
   bool unpin = false;
 };
 
@@ -34,8 +33,8 @@ Status ShowOrPin(const CommandContext& context, const StrategyFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, store->GetMap(flags.map));
   const MapKey& key = map.info.key;
-  if (flags.has_pin) {
-    MAPLOC_RETURN_IF_ERROR(store->PinStrategy(key, flags.segment, flags.pin));
+  if (!flags.pin.empty()) {
+    MAPLOC_RETURN_IF_ERROR(store->PinStrategy(key, flags.segment, StrategyFromName(flags.pin)));
   } else if (flags.unpin) {
     MAPLOC_RETURN_IF_ERROR(store->PinStrategy(key, flags.segment, std::nullopt));
   }
@@ -54,18 +53,10 @@ void AddStrategyCommand(CLI::App& app, CommandContext& context) {
                  [&context, flags] { return ShowOrPin(context, *flags); });
   AddMapOption(*command, flags->map);
   AddSegmentOption(*command, flags->segment);
-  const std::map<std::string, Strategy> names = {
-      {"1p1l", Strategy::k1P1L}, {"2p", Strategy::k2P}, {"mixed", Strategy::kMixed}};
   CLI::Option* pin = command
-                         ->add_option_function<Strategy>(
-                             "--pin",
-                             [flags](const Strategy& strategy) {
-                               flags->pin = strategy;
-                               flags->has_pin = true;
-                             },
-                             "Fix the strategy; a running server follows within a second")
-                         ->transform(CLI::CheckedTransformer(names))
-                         ->type_name("1p1l|2p|mixed");
+                         ->add_option("--pin", flags->pin,
+                                      "Fix the strategy; a running server follows within a second")
+                         ->check(CLI::IsMember({"1p1l", "2p", "mixed"}));
   command->add_flag("--unpin", flags->unpin, "Give it back to the selector")->excludes(pin);
 }
 

@@ -61,6 +61,7 @@ int main(int argc, char** argv) {
   sigwait(&signals, &signal);
   spdlog::info("{}: finishing what runs", strsignal(signal));
   const maploc::Status status = maploc::Caught([&] { return server.value()->Shutdown(); });
+  server.value().reset();  // its threads may log; the last line is this one
   if (!status.ok()) return Fail(status);
   spdlog::info("stopped; statistics are on disk");
   return 0;

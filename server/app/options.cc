@@ -4,10 +4,11 @@
 #include <cctype>
 #include <charconv>
 #include <cstdlib>
-#include <iostream>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+
+#include "mapstore/base/usage.h"
 
 namespace maploc {
 namespace {
@@ -87,8 +88,7 @@ std::vector<std::string> WithEnvironment(const CLI::App& app, int argc, const ch
 }
 
 int Explain(const CLI::App& app, const CLI::ParseError& error) {
-  if (error.get_exit_code() == 0) return app.exit(error);
-  std::cerr << "maploc-server: " << error.what() << "; see maploc-server --help\n";
+  if (app.exit(error) == 0) return 0;
   const bool of_the_file = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::FileError) ||
                            error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ConfigError);
   return of_the_file ? kUnusable : kWrongUsage;
@@ -103,7 +103,7 @@ CommandLine ParseCommandLine(int argc, const char* const* argv) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
       ->always_capture_default();
   app.footer(kFooter);
-  app.set_version_flag("--version", MAPLOC_VERSION);
+  AddUsage(app);
   AddOptions(app, result.options);
   app.set_config("--config", "", "Configuration file (TOML or INI)");
   app.allow_config_extras(CLI::config_extras_mode::error);

@@ -37,8 +37,9 @@ Result<std::unique_ptr<MapStore>> OpenStore(const std::string& path) {
   return store;
 }
 
-// What is only read may be served twice.
+// What is only read may be served twice. No lock is left beside a file that is no store.
 Result<std::optional<ServeLock>> Lock(const std::string& store) {
+  MAPLOC_RETURN_IF_ERROR(CheckStore(store));
   if (!CanWriteStore(store)) return std::optional<ServeLock>();
   MAPLOC_ASSIGN_OR_RETURN(ServeLock lock, ServeLock::Acquire(store));
   return std::optional<ServeLock>(std::move(lock));
@@ -148,9 +149,7 @@ Status Server::Shutdown() {
     grpc_server_->Shutdown(std::chrono::system_clock::now() + kTimeOfWatchers);
     grpc_server_->Wait();
   }
-  const Status status = sessions_ != nullptr
-                            ? sessions_->Shutdown().WithContext("statistics are not on disk")
-                            : Status::Ok();
+  const Status status = WriteOut().WithContext("statistics are not on disk");
   if (!options_.port_file.empty()) RemovePortFile(options_.port_file);
   {
     const std::lock_guard lock(mutex_);
@@ -159,6 +158,16 @@ Status Server::Shutdown() {
   }
   changed_.notify_all();
   return status;
+}
+
+Status Server::WriteOut() {
+  if (sessions_ == nullptr) return Status::Ok();
+  MAPLOC_RETURN_IF_ERROR(sessions_->Shutdown());
+  static_cast<void>(store_->ChangeCounter());  // a read looks at the file's content, too
+  const Status replaced = store_->CheckIdentity();
+  if (replaced.ok()) return replaced;
+  return Status(replaced.code(), replaced.reason(),
+                replaced.message() + "; nothing that was learned since is there");
 }
 
 bool Server::IsStopped() {

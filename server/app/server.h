@@ -54,6 +54,8 @@ class Server {
          std::optional<ServeLock> lock);
   Status StartDomain();
   Status Listen();
+  // An error where what was learned is not in the file at the store's path.
+  Status WriteOut();
   bool IsStopped();
   // Tells the watchers of gRPC's health what the threads report, until the end has begun.
   void TellHealth();

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "mapstore/base/standard_output.h"
+#include "mapstore/base/usage.h"
 #include "tests/experiments/commands.h"
 #include "tests/experiments/lies/command.h"
 #include "tests/experiments/selection/command.h"
@@ -26,6 +27,7 @@ int Main(int argc, char** argv) {
   CLI::App app("The paper's experiments beside the peers, in one run", "maploc-experiments");
   app.footer("Each command's --help has an example.");
   app.require_subcommand(1);
+  AddUsage(app);
   CommandContext context;
   for (const Experiment& experiment :
        {AccuracyExperiment(), SensitivityExperiment(), RobustnessExperiment(), TimingExperiment(),

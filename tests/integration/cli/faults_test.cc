@@ -167,6 +167,30 @@ TEST_F(FaultsTest, GravityHasOneRule) {
   }
 }
 
+TEST_F(FaultsTest, WithoutUnitAndPointsAReplayDoesNotSayThatNoneIsWrong) {
+  const Output imported =
+      RunBinary("maploc-map import-colmap --store " + Store() + " --map unitless --model " +
+                Campus("model") + " --database " + Campus("database.db") +
+                " --descriptors orb --lines none --gravity 0,0,-1 --segment-length 45");
+  ASSERT_EQ(imported.exit_code, 0) << imported.error;
+  Result<ColmapModel> model = ReadColmapModel(Campus("model"));
+  ASSERT_TRUE(model.ok()) << model.status().ToString();
+  model->points.clear();
+  model->images.erase(std::next(model->images.begin()), model->images.end());
+  for (auto& [id, image] : model->images) {
+    image.keypoints_px.clear();
+    image.point_ids.clear();
+  }
+  const TemporaryFolder folder;
+  ASSERT_TRUE(WriteColmapModel(folder.path(), *model).ok());
+  const Output run = RunBinary("maploc replay" + At() + "--map unitless --colmap " + folder.path() +
+                               " --database " + Campus("database.db"));
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_THAT(run.error, HasSubstr("wrong answers cannot be judged"));
+  EXPECT_THAT(run.out, HasSubstr("1 of 1 localized, median error"));
+  EXPECT_THAT(run.out, Not(HasSubstr("recall")));
+}
+
 TEST_F(FaultsTest, MorePointsThanTheServerTakesAreThinnedAndTold) {
   // Every photo's points so often that one has over 20,000.
   const Result<ColmapModel> model = ReadColmapModel(Campus("model"));

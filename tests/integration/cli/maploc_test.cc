@@ -18,15 +18,41 @@ TEST_F(MaplocTest, WrongUsageIsTwoAndHelpShowsAnExample) {
        {"", "fly", "replay --server 127.0.0.1:1", "end-session --session x --bogus",
         "replay --server a:1 --map m --colmap d --strategy 3p",
         "replay --server a:1 --map m --colmap d --label season",
+        "end-session --server localhost --session x",
+        "end-session --server localhost:0 --session x",
+        "end-session --server localhost:99999 --session x",
         "localize --server a:1 --map m --image i --camera c --gravity 0,1",
-        "load --server a:1 --map m --colmap d --robots many"}) {
+        "load --server a:1 --map m --colmap d --robots many",
+        "replay --server a:1 --map m --colmap d --without-gravity --gravity-noise-deg 1",
+        "simulate --write-world w --seasons summer"}) {
     const Output refused = RunBinary("maploc " + wrong);
     EXPECT_EQ(refused.exit_code, 2) << wrong << ": " << refused.error;
+  }
+  for (const char* binary : {"maploc", "maploc-map", "maploc-server"}) {
+    EXPECT_EQ(RunBinary(std::string(binary) + " --version").out,
+              std::string(binary) + " " + MAPLOC_VERSION + "\n");
   }
   for (const char* command : {"localize", "replay", "end-session", "load", "simulate"}) {
     const Output help = RunBinary(std::string("maploc ") + command + " --help");
     EXPECT_EQ(help.exit_code, 0) << command << ": " << help.error;
     EXPECT_THAT(help.out, HasSubstr(std::string("  maploc ") + command));
+  }
+}
+
+// Not what is missing because of it.
+TEST_F(MaplocTest, AWrongWordIsNamed) {
+  for (const auto& [line, said] : std::vector<std::pair<std::string, std::string>>{
+           {"maploc localize --sever x", "maploc localize: unknown --sever; see"},
+           {"maploc localise --server x", "maploc: unknown localise; see"},
+           {"maploc-map import-colmap --stor s", "maploc-map import-colmap: unknown --stor; see"},
+           {"maploc-map delete", "maploc-map: unknown delete; see"},
+           {"maploc end-session --session x --server a:99999",
+            "the port of 'a:99999' must be in [1"},
+           {"maploc-map verify", "maploc-map verify: --store is required; see"},
+           {"maploc-server --stor s", "maploc-server: unknown --stor; see"}}) {
+    const Output refused = RunBinary(line);
+    EXPECT_EQ(refused.exit_code, 2) << line;
+    EXPECT_THAT(refused.error, HasSubstr(said));
   }
 }
 
@@ -58,6 +84,13 @@ TEST_F(MaplocTest, AFailureIsOneAndOneLine) {
     SCOPED_TRACE(command);
     ExpectFailed(RunBinary("maploc " + command), "maploc: ");
   }
+}
+
+TEST_F(MaplocTest, AServerThatIsNotThereIsAskedAfter) {
+  ExpectFailed(RunBinary("maploc end-session --server 127.0.0.1:1 --session x"),
+               "is maploc-server running there?");
+  ExpectFailed(RunBinary("maploc localize --server 127.0.0.1:1 --map m --image i --camera absent"),
+               "camera file 'absent'");
 }
 
 TEST_F(MaplocTest, AReplayLocalizesAndReportsWhatScriptsRelyOn) {
@@ -116,6 +149,7 @@ TEST_F(MaplocTest, APhotoThatIsNotLocalizedTellsWhatItsMatchesLeaveOpen) {
   EXPECT_NE(json["outcome"], "LOCALIZED");
   EXPECT_EQ(json.at("map_from_body"), nullptr);
   EXPECT_EQ(json.at("inlier_rms_px"), 0.0);
+  EXPECT_EQ(json.at("gravity_disagreement_rad"), nullptr);
   EXPECT_EQ(json.at("focal_length_scale"), nullptr);
   EXPECT_EQ(json.at("focal_length_scale_sigma"), nullptr);
   const std::string text = RunBinary(command).out;

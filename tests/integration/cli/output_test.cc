@@ -86,14 +86,23 @@ TEST_F(OutputTest, AReplayWhoseReportIsLostTellsItsSession) {
   ExpectLost("maploc-map revoke --store " + Store() + " --session " + id + " --json");
 }
 
-TEST_F(OutputTest, APictureOnAFullDiskIsAFailure) {
+TEST_F(OutputTest, APictureThatCannotBeWrittenIsAFailure) {
   const std::string photo = folder_->File("grey.pgm");
   WriteFile(photo, "P5 64 48 255\n" + std::string(64 * 48, '\x80'));
   WriteFile(folder_->File("camera.txt"), "1 PINHOLE 64 48 50 50 32 24\n");
   std::filesystem::create_symlink("/dev/full", folder_->File("full.png"));
-  ExpectFailed(RunBinary("maploc localize" + At() + "--map campus --image " + photo + " --camera " +
-                         folder_->File("camera.txt") + " --draw " + folder_->File("full.png")),
-               "--draw: ");
+  for (const auto& [picture, said] : {std::pair("full.png", "could not be written"),
+                                      std::pair("no/such.png", "could not be written"),
+                                      std::pair("photo", "must end in .png, .jpg"),
+                                      std::pair("photo.xyz", "must end in .png, .jpg")}) {
+    Output run =
+        RunBinary("maploc localize" + At() + "--map campus --image " + photo + " --camera " +
+                  folder_->File("camera.txt") + " --draw " + folder_->File(picture));
+    EXPECT_THAT(run.out, HasSubstr("in map campus"));  // the answer is not lost with its picture
+    run.out.clear();
+    ExpectFailed(run, "--draw: ");
+    EXPECT_THAT(run.error, HasSubstr(said));
+  }
 }
 
 // A sensor's 12 bits in 16: the picture that is drawn is the one that features were found in.

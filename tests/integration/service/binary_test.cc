@@ -91,6 +91,7 @@ TEST_F(BinaryTest, AStoreThatIsNotSqliteIsOneLineAndExitOne) {
   EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
   EXPECT_NE(said.find(folder_.File("store")), std::string::npos) << said;
   EXPECT_EQ(Read("store"), "not a store\n");
+  EXPECT_FALSE(std::filesystem::exists(folder_.File("store-server")));
 }
 
 TEST_F(BinaryTest, ATruncatedStoreIsOneLineAndExitOne) {

@@ -50,6 +50,22 @@ class BadFiles : public ::testing::Test {
   const std::string database_ = folder_.File("database.db");
 };
 
+TEST_F(BadFiles, PhotosThatAreNotTheModelsAreToldWithTheCure) {
+  const std::string import = "import-colmap --map facade --store " + store_ + " --model " + text_ +
+                             " --database " + database_ + " --images " + folder_.path();
+  ExpectFailed(Run(import), "img0.jpg: is not there; --images is the folder");
+  WriteFile(folder_.File("img0.jpg"), "P5 4 3 255\n" + std::string(12, '\x80'));
+  ExpectFailed(Run(import), "has 1000x800; give the photos that the model was made of");
+}
+
+// The map "yard" of this store has lines.
+TEST_F(BadFiles, AVersionWithoutTheLinesOfTheOneBeforeIsRemarked) {
+  const Output run = Run("import-colmap --map yard --gravity 0,0,-1 --scale 1 --store " + store_ +
+                         " --model " + text_ + " --database " + database_);
+  EXPECT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_THAT(run.error, ::testing::HasSubstr("note: the new version has no lines, but version 1"));
+}
+
 // Else the refusals below would say nothing.
 TEST_F(BadFiles, WholeOnesAreTaken) {
   for (const std::string& model : {binary_, text_}) {

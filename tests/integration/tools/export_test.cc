@@ -9,6 +9,9 @@ using nlohmann::json;
 TEST_F(MaplocMap, AnExportedMapIsTheSameInAnotherStore) {
   const std::string file = folder_.File("yard.maploc");
   ASSERT_EQ(Map("export --store $STORE --map yard --to " + file).exit_code, 0);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+    EXPECT_EQ(entry.path().string().find("partial"), std::string::npos) << entry.path();
+  }
   const std::string other = folder_.File("other.db");
   ASSERT_EQ(Map("import --store " + other + " --from " + file).exit_code, 0);
   EXPECT_EQ(Map("verify --store " + other).exit_code, 0);

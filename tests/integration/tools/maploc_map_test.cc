@@ -33,6 +33,12 @@ TEST_F(MaplocMap, WrongUsageIsTwo) {
   }
 }
 
+TEST_F(MaplocMap, ChoicesAreToldByTheirNames) {
+  const std::string pin = "strategy --store $STORE --map yard --segment 1 --pin p3p";
+  EXPECT_THAT(Map(pin).error, HasSubstr("p3p not in {1p1l,2p,mixed}"));
+  EXPECT_THAT(Map("plot --help").out, HasSubstr("{strategy,inlier-ratio,change}"));
+}
+
 TEST_F(MaplocMap, AFailureIsOneWithItsCause) {
   const std::string none = folder_.File("none.db");
   ExpectFails("list --store " + none, "none.db: there is no such store");
@@ -46,7 +52,16 @@ TEST_F(MaplocMap, AFailureIsOneWithItsCause) {
   }
   ExpectFails("strategy --store $STORE --map yard --segment 9", "segment 9 of map 'yard'");
   ExpectFails("backup --store $STORE --to " + text, "exists already");
+  for (const std::string command : {"backup --store $STORE", "export --store $STORE --map yard"}) {
+    ExpectFails(command + " --to " + folder_.File("no/new.db"), "no/new.db: cannot be written");
+  }
+  for (const std::string command : {"restore", "import"}) {
+    ExpectFails(command + " --store $STORE --from " + none,
+                "none.db: there is no such file; check --from");
+  }
   ExpectFails("plot --store $STORE --map yard --out " + folder_.File("no/plan.svg"), "plan.svg");
+  ExpectFails("plot --store $STORE --map yard --out " + folder_.File("plan.png"),
+              "must end in .svg");
 }
 
 TEST_F(MaplocMap, ListSaysWhatThereIs) {
@@ -88,7 +103,9 @@ TEST_F(MaplocMap, StatsAreEqualWhenRecomputed) {
   EXPECT_EQ(stats[1].at("point_matches"), 2000.0);
   EXPECT_EQ(stats[1].at("typical_point_matches"), 100.0);
   EXPECT_EQ(stats[1].at("recomputed_equal"), true);
-  EXPECT_THAT(Map("stats --store $STORE --map yard --recompute").out, HasSubstr("equal"));
+  const std::string text = Map("stats --store $STORE --map yard --recompute").out;
+  EXPECT_THAT(text, HasSubstr("equal"));
+  EXPECT_THAT(text, HasSubstr("p, l, lv: "));
 }
 
 TEST_F(MaplocMap, AStrategyCanBePinnedAndGivenBack) {
@@ -147,6 +164,11 @@ TEST_F(MaplocMap, SessionsAreListed) {
   EXPECT_EQ(sessions[0].at("queries"), 21);
   EXPECT_EQ(sessions[0].at("localized"), 20);
   EXPECT_EQ(sessions[0].at("labels").at("season"), "autumn");
+  Session asked = OpenSession("asked", key_, 3000);
+  asked.labels["maploc.request_id"] = "4711";
+  ASSERT_TRUE(OpenSqliteStore(store_).value()->StartSession(asked).ok());
+  EXPECT_EQ(Map("sessions --store $STORE").out.find("4711"), std::string::npos);
+  EXPECT_EQ(Json("sessions --store $STORE")[2].at("labels").at("maploc.request_id"), "4711");
   EXPECT_EQ(sessions[0].at("segments"), json::array({{{"segment", 1}, {"queries", 21}}}));
   EXPECT_EQ(sessions[0].at("stands_out"), false);
   EXPECT_EQ(sessions[1].at("state"), "open");

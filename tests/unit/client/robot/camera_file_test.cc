@@ -113,6 +113,8 @@ TEST_F(CameraFileTest, AnErrorNamesTheLineAndOnlyTheWantedOneCounts) {
   EXPECT_THAT(Read("photos/b.jpg", 2).status().message(), HasSubstr("cameras.txt:2"));
   folder_.Write("cameras.txt", Line(1) + Line(1));
   EXPECT_THAT(Read("photos/b.jpg").status().message(), HasSubstr("cameras.txt:2: camera 1 stands"));
+  folder_.Write("cameras.txt", std::string("SQLite format 3\0\n\n\1\n", 20));
+  EXPECT_THAT(Read("photos/b.jpg").status().message(), HasSubstr("cameras.txt:1: is no camera;"));
   folder_.Write("cameras.txt", "\n# nothing\n");
   EXPECT_THAT(Read("photos/b.jpg").status().message(), HasSubstr("holds no camera"));
 }

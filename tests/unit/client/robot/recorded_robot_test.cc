@@ -77,6 +77,11 @@ TEST_F(RecordedRobotTest, AsksInTheOrderOfNamesAndSendsNothingOfTheReference) {
   EXPECT_EQ(query->views[0].lines.size(), 0);
 }
 
+TEST_F(RecordedRobotTest, SendsNoGravityWhereNoneIsAskedFor) {
+  options_.gravity.none = true;
+  EXPECT_FALSE(Open().MakeQuery(0)->gravity.has_value());
+}
+
 TEST_F(RecordedRobotTest, ComparesInTheMapsFrame) {
   map_.map_from_source = {
       2.0, Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 2) / 3)), {5, 6, 7}};

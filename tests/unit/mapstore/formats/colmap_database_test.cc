@@ -40,7 +40,9 @@ TEST_F(ColmapDatabaseTest, TheKindIsGuessedFromTheColumnsUnlessItIsGiven) {
   MakeTables();
   AddImage(1, "a.jpg", {1, 2}, 2, 1, 48);
   EXPECT_EQ(ReadColmapDatabase(path_)->at("a.jpg").points.descriptors.kind.name, "binary48");
-  EXPECT_THAT(Error(*DescriptorKindFromName("orb")), HasSubstr("descriptors of kind orb have 32"));
+  EXPECT_THAT(Error(*DescriptorKindFromName("orb")),
+              ::testing::AllOf(HasSubstr("descriptors of kind orb have 32"),
+                               HasSubstr("leave --descriptors out")));
   AddImage(2, "b.jpg", {1, 2}, 2, 1, 32);
   EXPECT_THAT(Error(), HasSubstr("image 2 ('b.jpg'): has 32 columns"));
 }

@@ -164,6 +164,20 @@ TEST_F(SourceGravityTest, RefusedOnlyForTheSignTheAxisIsToldForTheUserToChoose) 
   EXPECT_LT(AngleBetween(told.normalized(), set.down_in_source), 1.0 * kDegree);
 }
 
+TEST_F(SourceGravityTest, RefusedForTheTiltTheEstimateIsTold) {
+  const PhotoSet front = Take({.yaw_range_deg = 10, .pitch_deg = 8, .level_noise_deg = 5.0});
+  const std::string error = Error(front.Poses(), std::nullopt);
+  const auto at = error.find("the estimate ");
+  ASSERT_NE(at, std::string::npos) << error;
+  Eigen::Vector3d told;
+  ASSERT_EQ(std::sscanf(error.c_str() + at, "the estimate %lf,%lf,%lf is known to within",
+                        &told.x(), &told.y(), &told.z()),
+            3)
+      << error;
+  EXPECT_LT(AngleBetween(told.normalized(), front.down_in_source), 30.0 * kDegree);
+  EXPECT_THAT(error, HasSubstr("for example the direction from the top"));
+}
+
 TEST_F(SourceGravityTest, PhotosTakenUpsideDownOrOnTheirSideAreSeenByTheirSky) {
   const PhotoSet upside_down = Take({.rolls_deg = {180}});
   EXPECT_THAT(Error(upside_down.PosesAndPhotos(), std::nullopt), HasSubstr("upside down"));

@@ -1,0 +1,24 @@
+#include "mapstore/base/usage.h"
+
+#include <vector>
+
+namespace maploc {
+
+void AddUsage(CLI::App& app) {
+  app.set_version_flag("--version", app.get_name() + " " + MAPLOC_VERSION);
+  app.failure_message(WrongUsage);
+}
+
+std::string WrongUsage(const CLI::App* app, const CLI::Error& error) {
+  std::string command = app->get_name();
+  for (const CLI::App* chosen : app->get_subcommands()) command += " " + chosen->get_name();
+  const std::vector<std::string> unknown = app->remaining(/*recurse=*/true);
+  const bool names_another =
+      error.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError) &&
+      error.get_exit_code() != static_cast<int>(CLI::ExitCodes::RequiredError);
+  const std::string what =
+      unknown.empty() || names_another ? error.what() : "unknown " + unknown.front();
+  return command + ": " + what + "; see " + command + " --help\n";
+}
+
+}  // namespace maploc

@@ -1,0 +1,18 @@
+// What the command lines of all binaries have in common.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace maploc {
+
+// --version, which prints the project's version, and WrongUsage for app.exit().
+void AddUsage(CLI::App& app);
+
+// "maploc localize: unknown --sever; see maploc localize --help" and a line's end. Of `error`,
+// unless the words hold one that the command line does not know: CLI11 looks for what is missing
+// first, and would not name it.
+std::string WrongUsage(const CLI::App* app, const CLI::Error& error);
+
+}  // namespace maploc
