@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
+#include <new>
 #include <stdexcept>
 #include <thread>
 
@@ -85,7 +86,9 @@ std::logic_error WrongColumn(sqlite3_stmt* statement, std::string_view column) {
 std::vector<std::string_view> ColumnNames(sqlite3_stmt* statement) {
   std::vector<std::string_view> names(static_cast<std::size_t>(sqlite3_column_count(statement)));
   for (std::size_t i = 0; i < names.size(); ++i) {
-    names[i] = sqlite3_column_name(statement, static_cast<int>(i));
+    const char* name = sqlite3_column_name(statement, static_cast<int>(i));
+    if (name == nullptr) throw std::bad_alloc();
+    names[i] = name;
   }
   std::vector<std::string_view> sorted = names;
   std::ranges::sort(sorted);
