@@ -109,9 +109,12 @@ void SqliteDatabase::Close::operator()(sqlite3* handle) const { sqlite3_close_v2
 Result<SqliteDatabase> SqliteDatabase::Open(const std::string& path, SqliteAccess access,
                                             int busy_timeout_ms) {
   sqlite3* handle = nullptr;
+  std::optional<FileState> seen;
+  if (access == SqliteAccess::kFileAlone) seen = FileState::Of(path);
   const std::string name = access == SqliteAccess::kFileAlone ? FileAloneUri(path) : FileName(path);
   const int result = sqlite3_open_v2(name.c_str(), &handle, OpenFlags(access), nullptr);
   SqliteDatabase database(path, access, handle);
+  database.seen_ = seen;
   if (result != SQLITE_OK) return database.ErrorOf(result);
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_handler(handle, &WaitForLock,
@@ -134,10 +137,22 @@ std::int64_t SqliteDatabase::LastInsertId() const { return sqlite3_last_insert_r
 
 std::int64_t SqliteDatabase::ChangedRows() const { return sqlite3_changes64(handle()); }
 
+Status SqliteDatabase::CheckUnchanged() const {
+  if (!seen_ || FileState::Of(path_) == seen_) return Status::Ok();
+  return Status(StatusCode::kUnavailable, "STORE_REPLACED",
+                path_ +
+                    ": the store was changed by another program while this one had it open for "
+                    "reading only; open it again (restart the server that serves it)");
+}
+
 Status SqliteDatabase::ErrorOf(int result_code) const {
   const std::string what = handle_ ? sqlite3_errmsg(handle()) : sqlite3_errstr(result_code);
   const std::string where = path_ + ": ";
-  switch (result_code & 0xff) {
+  const int primary_code = result_code & 0xff;
+  if (primary_code == SQLITE_NOTADB || primary_code == SQLITE_CORRUPT) {
+    MAPLOC_RETURN_IF_ERROR(CheckUnchanged());  // half of a change looks like damage
+  }
+  switch (primary_code) {
     case SQLITE_NOTADB:
       return NotAStore(path_, "is not an SQLite database");
     case SQLITE_CORRUPT:
