@@ -4,11 +4,14 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <thread>
 
 #include <sqlite3.h>
+
+#include "mapstore/store/beside_store.h"
 
 namespace maploc {
 namespace {
@@ -76,6 +79,21 @@ Status IoFailed(const std::string& where, const std::string& what, int system_er
   }
   return Status(StatusCode::kUnavailable, "STORE_IO",
                 where + "input or output failed (" + what + "); check the disk");
+}
+
+bool LacksLogIndex(const std::string& path) {
+  std::error_code none;
+  return std::filesystem::exists(BesideStore(path, "-wal"), none) &&
+         !std::filesystem::exists(BesideStore(path, "-shm"), none);
+}
+
+Status LogWithoutIndex(const std::string& path) {
+  return Status(StatusCode::kUnavailable, "STORE_NOT_WRITABLE",
+                path + ": its last program has crashed and left a log, " +
+                    BesideStore(path, "-wal") +
+                    ", which cannot be read without an index beside it, and this user may not "
+                    "write one; let the store's owner open it once (`maploc-map list --store " +
+                    path + "`)");
 }
 
 std::logic_error WrongColumn(sqlite3_stmt* statement, std::string_view column) {
@@ -166,6 +184,8 @@ Status SqliteDatabase::ErrorOf(int result_code) const {
     case SQLITE_FULL:
       return DiskFull(where);
     case SQLITE_CANTOPEN:
+      if (access_ == SqliteAccess::kReadOnly && LacksLogIndex(path_)) return LogWithoutIndex(path_);
+      [[fallthrough]];
     case SQLITE_PERM:
     case SQLITE_AUTH:
     case SQLITE_READONLY:

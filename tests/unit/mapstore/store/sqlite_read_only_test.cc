@@ -160,6 +160,21 @@ TEST_F(SqliteReadOnlyTest, AStoreThatItsOwnerMovesAwayIsTold) {
   });
 }
 
+// A crash leaves the log, a copy of the folder its index behind; without one the log cannot be
+// read.
+TEST_F(SqliteReadOnlyTest, ALogWithoutItsIndexIsNamedWithTheCure) {
+  ExpectAsReader([&]() -> std::string {
+    AsOwner([&] {
+      PinAndCrash();
+      std::filesystem::remove(path_ + "-shm");
+    });
+    const Status status = OpenSqliteStore(path_).status();
+    if (status.message().find("for writing") != std::string::npos) return status.ToString();
+    if (status.message().find(path_ + "-wal") == std::string::npos) return status.ToString();
+    return status.reason() == "STORE_NOT_WRITABLE" ? "" : status.ToString();
+  });
+}
+
 TEST_F(SqliteReadOnlyTest, AnOlderVersionsStoreIsRefusedWithTheCure) {
   chmod(folder_.path().c_str(), 0755);
   chmod(path_.c_str(), 0644);
