@@ -40,7 +40,7 @@ Status FileExists(const std::string& path) {
 // vfat, exFAT and some network file systems know no second name for a file.
 bool GiveName(const std::string& partial, const std::string& to) {
   if (link(partial.c_str(), to.c_str()) == 0) return true;
-  const bool no_links = errno == EPERM || errno == ENOTSUP || errno == EOPNOTSUPP;
+  const bool no_links = errno == EPERM || errno == EOPNOTSUPP;
   return no_links && RenameToNewName(partial, to);
 }
 
