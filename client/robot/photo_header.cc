@@ -51,16 +51,26 @@ bool IsFrameHeader(unsigned marker) {
   return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
 }
 
+// The marker after an FF; any number of further FF fill the space before it. 0: there is none.
+unsigned ReadMarker(std::istream& file) {
+  constexpr unsigned kFill = 0xff;
+  if (file.get() != int{kFill}) return 0;
+  unsigned marker = kFill;
+  while (marker == kFill) {
+    const int byte = file.get();
+    marker = byte == std::istream::traits_type::eof() ? 0 : static_cast<unsigned>(byte);
+  }
+  return marker;
+}
+
 // The segments after the two bytes of the start, up to the frame header.
 std::optional<PhotoHeader> ReadJpeg(std::istream& file) {
   constexpr unsigned kApp1 = 0xe1;
   PhotoHeader header;
   while (true) {
-    const std::string start = ReadBytes(file, 4);  // FF, the marker, two bytes of length
-    if (start.size() < 4 || Byte(start, 0) != 0xff) return std::nullopt;
-    const unsigned marker = Byte(start, 1);
-    const std::uint32_t length = Number(start, 2, 2, true);
-    if (length < 2) return std::nullopt;
+    const unsigned marker = ReadMarker(file);
+    const std::uint32_t length = Number(ReadBytes(file, 2), 0, 2, true);
+    if (marker == 0 || length < 2) return std::nullopt;
     if (!IsFrameHeader(marker) && marker != kApp1) {
       file.seekg(length - 2, std::ios::cur);
       continue;

@@ -42,6 +42,13 @@ Status FileExists(const std::string& path) {
                 path + ": exists already; choose another name or remove it");
 }
 
+// vfat, exFAT and some network file systems know no second name for a file.
+bool GiveName(const std::string& partial, const std::string& to) {
+  if (link(partial.c_str(), to.c_str()) == 0) return true;
+  const bool no_links = errno == EPERM || errno == EOPNOTSUPP;
+  return no_links && RenameToNewName(partial, to);
+}
+
 }  // namespace
 
 Status CopyStore(SqliteDatabase& source, const std::string& to) {
@@ -74,9 +81,26 @@ Status CheckNewStoreFile(const std::string& to) {
                                                                           : NotWritten(to);
 }
 
-// A link fails where the name exists by now; a rename would replace what is there.
+bool RenameOverOwnFile(const std::string& from, const std::string& to) {
+  const int own = open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (own < 0) return false;
+  close(own);
+  if (std::rename(from.c_str(), to.c_str()) == 0) return true;
+  const int error = errno;
+  std::remove(to.c_str());
+  errno = error;
+  return false;
+}
+
+bool RenameToNewName(const std::string& from, const std::string& to) {
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
+  const bool unknown = errno == EINVAL || errno == ENOSYS || errno == EOPNOTSUPP;
+  return unknown && RenameOverOwnFile(from, to);
+}
+
+// A link fails where the name exists by now; a plain rename would replace what is there.
 Status PublishStoreFile(const std::string& partial, const std::string& to) {
-  if (link(partial.c_str(), to.c_str()) == 0 && SyncFolderOf(to)) return Status::Ok();
+  if (GiveName(partial, to) && SyncFolderOf(to)) return Status::Ok();
   return errno == EEXIST ? FileExists(to) : NotWritten(to);
 }
 

@@ -13,5 +13,9 @@ namespace maploc {
 Status CopyStore(SqliteDatabase& source, const std::string& to);
 // Makes new names in the file's folder outlive a crash. False: errno tells why.
 bool SyncFolderOf(const std::string& path);
+// Renames a file, but replaces none. False: errno tells why, EEXIST where `to` is there already.
+bool RenameToNewName(const std::string& from, const std::string& to);
+// The same by any file system's means: takes the name first, then renames over it.
+bool RenameOverOwnFile(const std::string& from, const std::string& to);
 
 }  // namespace maploc

@@ -50,7 +50,7 @@ Result<std::unique_ptr<SqliteConnections>> SqliteConnections::Open(
     const std::string& path, const SqliteStoreOptions& options) {
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase writer, OpenStoreFile(path, options));
   std::unique_ptr<SqliteIdentity> identity;
-  if (!writer.IsReadOnly()) {
+  if (writer.access() != SqliteAccess::kFileAlone) {
     MAPLOC_ASSIGN_OR_RETURN(identity, SqliteIdentity::Of(writer));
   }
   return std::unique_ptr<SqliteConnections>(

@@ -1,10 +1,11 @@
 // A store's connections: one that writes, behind a mutex, and some that read, each used by one
 // thread at a time. With write-ahead logging no reader waits for the writer. Thread-safe.
 //
-// Where nothing may be written (CanWriteStore) there is no look at all: Write is STORE_READ_ONLY.
+// Where nothing may be written (CanWriteStore) Write is STORE_READ_ONLY.
 //
 // Every read and write begins, and every commit ends, with a look whether the path still names the
-// store: else UNAVAILABLE (STORE_REPLACED), for good.
+// store: else UNAVAILABLE (STORE_REPLACED), for good. A file that is read alone (kFileAlone) must
+// have been left unchanged as well.
 #pragma once
 
 #include <condition_variable>
@@ -68,8 +69,8 @@ class SqliteConnections {
   bool read_only() const { return writer_.IsReadOnly(); }
   Result<Reader> Read();
   Result<Writer> Write();
-  // Whether the path still names the store, by the names of its files alone: a few microseconds.
-  Status CheckIdentity() { return identity_ ? identity_->CheckPaths() : Status::Ok(); }
+  // Whether the path still names the store, without a look into its files: a few microseconds.
+  Status CheckIdentity() { return identity_ ? identity_->CheckPaths() : writer_.CheckUnchanged(); }
 
  private:
   SqliteConnections(SqliteDatabase writer, std::unique_ptr<SqliteIdentity> identity,
@@ -87,7 +88,7 @@ class SqliteConnections {
   SqliteDatabase writer_;  // guarded by write_mutex_
   int log_pages_ = 0;      // in the log after the last commit; guarded by write_mutex_
   bool folded_ = false;    // guarded by write_mutex_
-  const std::unique_ptr<SqliteIdentity> identity_;  // null: read_only
+  const std::unique_ptr<SqliteIdentity> identity_;  // null: kFileAlone
 
   std::mutex read_mutex_;
   std::condition_variable reader_free_;

@@ -4,10 +4,14 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
+#include <new>
 #include <stdexcept>
 #include <thread>
 
 #include <sqlite3.h>
+
+#include "mapstore/store/beside_store.h"
 
 namespace maploc {
 namespace {
@@ -77,6 +81,21 @@ Status IoFailed(const std::string& where, const std::string& what, int system_er
                 where + "input or output failed (" + what + "); check the disk");
 }
 
+bool LacksLogIndex(const std::string& path) {
+  std::error_code none;
+  return std::filesystem::exists(BesideStore(path, "-wal"), none) &&
+         !std::filesystem::exists(BesideStore(path, "-shm"), none);
+}
+
+Status LogWithoutIndex(const std::string& path) {
+  return Status(StatusCode::kUnavailable, "STORE_NOT_WRITABLE",
+                path + ": its last program has crashed and left a log, " +
+                    BesideStore(path, "-wal") +
+                    ", which cannot be read without an index beside it, and this user may not "
+                    "write one; let the store's owner open it once (`maploc-map list --store " +
+                    path + "`)");
+}
+
 std::logic_error WrongColumn(sqlite3_stmt* statement, std::string_view column) {
   return std::logic_error("not exactly one column '" + std::string(column) + "' in " +
                           sqlite3_sql(statement));
@@ -85,7 +104,9 @@ std::logic_error WrongColumn(sqlite3_stmt* statement, std::string_view column) {
 std::vector<std::string_view> ColumnNames(sqlite3_stmt* statement) {
   std::vector<std::string_view> names(static_cast<std::size_t>(sqlite3_column_count(statement)));
   for (std::size_t i = 0; i < names.size(); ++i) {
-    names[i] = sqlite3_column_name(statement, static_cast<int>(i));
+    const char* name = sqlite3_column_name(statement, static_cast<int>(i));
+    if (name == nullptr) throw std::bad_alloc();
+    names[i] = name;
   }
   std::vector<std::string_view> sorted = names;
   std::ranges::sort(sorted);
@@ -106,9 +127,12 @@ void SqliteDatabase::Close::operator()(sqlite3* handle) const { sqlite3_close_v2
 Result<SqliteDatabase> SqliteDatabase::Open(const std::string& path, SqliteAccess access,
                                             int busy_timeout_ms) {
   sqlite3* handle = nullptr;
+  std::optional<FileState> seen;
+  if (access == SqliteAccess::kFileAlone) seen = FileState::Of(path);
   const std::string name = access == SqliteAccess::kFileAlone ? FileAloneUri(path) : FileName(path);
   const int result = sqlite3_open_v2(name.c_str(), &handle, OpenFlags(access), nullptr);
   SqliteDatabase database(path, access, handle);
+  database.seen_ = seen;
   if (result != SQLITE_OK) return database.ErrorOf(result);
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_handler(handle, &WaitForLock,
@@ -131,10 +155,22 @@ std::int64_t SqliteDatabase::LastInsertId() const { return sqlite3_last_insert_r
 
 std::int64_t SqliteDatabase::ChangedRows() const { return sqlite3_changes64(handle()); }
 
+Status SqliteDatabase::CheckUnchanged() const {
+  if (!seen_ || FileState::Of(path_) == seen_) return Status::Ok();
+  return Status(StatusCode::kUnavailable, "STORE_REPLACED",
+                path_ +
+                    ": the store was changed by another program while this one had it open for "
+                    "reading only; open it again (restart the server that serves it)");
+}
+
 Status SqliteDatabase::ErrorOf(int result_code) const {
   const std::string what = handle_ ? sqlite3_errmsg(handle()) : sqlite3_errstr(result_code);
   const std::string where = path_ + ": ";
-  switch (result_code & 0xff) {
+  const int primary_code = result_code & 0xff;
+  if (primary_code == SQLITE_NOTADB || primary_code == SQLITE_CORRUPT) {
+    MAPLOC_RETURN_IF_ERROR(CheckUnchanged());  // half of a change looks like damage
+  }
+  switch (primary_code) {
     case SQLITE_NOTADB:
       return NotAStore(path_, "is not an SQLite database");
     case SQLITE_CORRUPT:
@@ -148,6 +184,8 @@ Status SqliteDatabase::ErrorOf(int result_code) const {
     case SQLITE_FULL:
       return DiskFull(where);
     case SQLITE_CANTOPEN:
+      if (access_ == SqliteAccess::kReadOnly && LacksLogIndex(path_)) return LogWithoutIndex(path_);
+      [[fallthrough]];
     case SQLITE_PERM:
     case SQLITE_AUTH:
     case SQLITE_READONLY:

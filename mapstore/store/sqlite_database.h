@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "mapstore/base/status.h"
+#include "mapstore/store/file_state.h"
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -22,8 +23,10 @@ enum class SqliteAccess {
   kRead,
   kWrite,
   kCreate,
-  kReadOnly,   // where nothing may be written, beside a program that does
-  kFileAlone,  // reads the main file as it lies there: no lock, no log, and nothing appears beside
+  kReadOnly,  // where nothing may be written, beside a program that does
+  // Reads the main file as it lies there: no lock, no log, and nothing appears beside. SQLite takes
+  // it that nobody changes the file; CheckUnchanged tells whether that was so.
+  kFileAlone,
 };
 
 // DATA_LOSS (INVALID_FILE). `what` goes on after "it": "is empty".
@@ -47,6 +50,10 @@ class SqliteDatabase {
   std::int64_t LastInsertId() const;
   // Rows that the last INSERT, UPDATE or DELETE touched.
   std::int64_t ChangedRows() const;
+  // kFileAlone: UNAVAILABLE (STORE_REPLACED) where the file is not as it was at Open, or a log has
+  // begun beside it; what has been read since may be of two states. Else Ok. Thread-safe; takes a
+  // few microseconds.
+  Status CheckUnchanged() const;
   // What SQLite's result code means here. REQUIRES: it is a failure.
   Status ErrorOf(int result_code) const;
 
@@ -59,6 +66,7 @@ class SqliteDatabase {
 
   std::string path_;
   SqliteAccess access_;
+  std::optional<FileState> seen_;  // kFileAlone: before it was opened
   std::unique_ptr<sqlite3, Close> handle_;
 };
 

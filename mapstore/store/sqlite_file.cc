@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "mapstore/store/beside_store.h"
 #include "mapstore/store/schema.h"
 #include "mapstore/store/sqlite_bytes.h"
 #include "mapstore/store/sqlite_log.h"
@@ -141,11 +142,13 @@ Status NotOfThisProgram(const std::string& path) {
                                 "where it can");
 }
 
-// A program that has a store open has its log there; without one the file is whole and still.
+// A program that has a store open has its log there; without one the file is whole, and still for
+// as long as CheckUnchanged says so. A disk that is mounted read-only is no exception: it may be
+// mounted for writing elsewhere.
 SqliteAccess AccessWithoutWriting(const std::string& path) {
   std::error_code error;
-  return std::filesystem::exists(path + "-wal", error) ? SqliteAccess::kReadOnly
-                                                       : SqliteAccess::kFileAlone;
+  return std::filesystem::exists(BesideStore(path, "-wal"), error) ? SqliteAccess::kReadOnly
+                                                                   : SqliteAccess::kFileAlone;
 }
 
 Result<SqliteDatabase> OpenWithoutWriting(const std::string& path,

@@ -16,8 +16,8 @@ namespace maploc {
 class PlaceIndex {
  public:
   // Landmarks shared by segments are taken once, from the one with most descriptor rows for it,
-  // with their RepresentativeRows. Memory: these rows, 4 bytes a row, and 8 bytes a landmark and
-  // segment holding it. REQUIRES: no null, one descriptor kind.
+  // with their RepresentativeRows. Memory: these rows, 4 bytes a row, 4 bytes a landmark, and for
+  // each segment that holds it 4 bytes and 4 bytes a row. REQUIRES: no null, one descriptor kind.
   static PlaceIndex Build(std::span<const std::shared_ptr<const Segment>> segments);
 
   int landmark_count() const { return static_cast<int>(segment_begin_.size()) - 1; }

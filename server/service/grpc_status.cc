@@ -2,9 +2,10 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include <spdlog/spdlog.h>
+
+#include "mapstore/base/without_path.h"
 
 namespace maploc {
 namespace {
@@ -15,18 +16,6 @@ std::optional<int> RetryDelayMs(const Status& status) {
   if (status.reason() == "QUEUE_FULL") return 100;
   if (status.reason() == "TOO_MANY_SESSIONS") return 10000;
   return std::nullopt;
-}
-
-// The store's messages begin with its path, and some repeat it in the cure.
-std::string WithoutPath(std::string message, const std::string& path) {
-  if (path.empty()) return message;
-  if (message.starts_with(path + ": ")) message.erase(0, path.size() + 2);
-  constexpr std::string_view kInstead = "STORE";
-  for (std::size_t at = message.find(path); at != std::string::npos;
-       at = message.find(path, at + kInstead.size())) {
-    message.replace(at, path.size(), kInstead);
-  }
-  return message;
 }
 
 }  // namespace

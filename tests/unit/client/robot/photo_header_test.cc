@@ -70,6 +70,19 @@ TEST_F(PhotoHeaderTest, ReadsSizeAndOrientationInBothByteOrders) {
   EXPECT_EQ(png->height_px, 300);
 }
 
+// Any number of bytes FF may stand before a marker.
+TEST_F(PhotoHeaderTest, FillBytesBeforeAMarkerArePassedOver) {
+  const std::string fill(3, '\xff');
+  const auto header =
+      Read(Bytes({0xff, 0xd8}) + fill + Segment(0xe0, "JFIF") + fill +
+           Segment(0xe1, Exif(6, true)) + fill + Segment(0xc2, Bytes({8, 1, 0x2c, 1, 0x90, 1})));
+  ASSERT_TRUE(header.has_value());
+  EXPECT_EQ(header->width_px, 400);
+  EXPECT_EQ(header->height_px, 300);
+  EXPECT_EQ(header->orientation, 6);
+  EXPECT_FALSE(Read(Bytes({0xff, 0xd8}) + std::string(1000, '\xff')).has_value());
+}
+
 TEST_F(PhotoHeaderTest, EveryPrefixOfAFileIsReadWithoutHarm) {
   const std::string whole = Jpeg(Exif(6, true));
   for (std::size_t size = 0; size < whole.size(); ++size) {

@@ -1,5 +1,6 @@
 // A store where this user may not write: a medium that is read-only, another user's folder.
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "tests/unit/mapstore/store/sqlite_store_fixture.h"
@@ -29,6 +30,28 @@ class SqliteReadOnlyTest : public SqliteStoreTest {
           _exit(failure.empty() ? 0 : 1);
         },
         ::testing::ExitedWithCode(0), "");
+  }
+  // Of a look: what the owner does meanwhile in a process of its own, which then ends as by a
+  // crash.
+  template <typename Change>
+  void AsOwner(const Change& change) {
+    const pid_t owner = fork();
+    if (owner != 0) {
+      waitpid(owner, nullptr, 0);
+      return;
+    }
+    static_cast<void>(seteuid(getuid()));
+    chmod(folder_.path().c_str(), 0755);
+    chmod(path_.c_str(), 0644);
+    change();
+    chmod(folder_.path().c_str(), 0555);
+    _exit(0);
+  }
+  // Leaves a log, which only a program that ends well takes into the file.
+  void PinAndCrash() {
+    MapStore* store = OpenSqliteStore(path_)->release();
+    const MapKey key = store->ListMaps()->front().info.key;
+    static_cast<void>(store->PinStrategy(key, 0, Strategy::k2P));
   }
   int FilesBeside() const {
     int count = 0;
@@ -81,6 +104,74 @@ TEST_F(SqliteReadOnlyTest, ALiveStoreIsReadAsItsServerLastLeftIt) {
     const auto segment = (*store)->GetSegment(key, 0);
     if (!segment.ok()) return segment.status().ToString();
     return segment->pinned == Strategy::k2P ? "" : "an older state";
+  });
+}
+
+// The link's folder holds no log; the store's does.
+TEST_F(SqliteReadOnlyTest, ALiveStoreIsReadThroughALinkToo) {
+  const TemporaryFolder elsewhere;
+  chmod(elsewhere.path().c_str(), 0755);
+  const std::string link = elsewhere.File("link");
+  std::filesystem::create_symlink(path_, link);
+  ExpectAsReader([&]() -> std::string {
+    AsOwner([&] { PinAndCrash(); });
+    auto store = OpenSqliteStore(link);
+    if (!store.ok()) return store.status().ToString();
+    const MapKey key = (*store)->ListMaps()->front().info.key;
+    const auto segment = (*store)->GetSegment(key, 0);
+    if (!segment.ok()) return segment.status().ToString();
+    return segment->pinned == Strategy::k2P ? "" : "an older state";
+  });
+}
+
+TEST_F(SqliteReadOnlyTest, WhatItsOwnerChangesMeanwhileIsToldAndReadByOpeningAnew) {
+  ExpectAsReader([&]() -> std::string {
+    auto store = OpenSqliteStore(path_);
+    if (!store.ok()) return store.status().ToString();
+    if (!(*store)->ListMaps().ok()) return "it is not read";
+    AsOwner([&] { GiveMap(**OpenSqliteStore(path_), "garden"); });
+    for (const Status& status :
+         {(*store)->ListMaps().status(), (*store)->CheckIdentity(), (*store)->Verify()}) {
+      if (status.reason() != "STORE_REPLACED") return status.ToString();
+    }
+    auto anew = OpenSqliteStore(path_);
+    if (!anew.ok()) return anew.status().ToString();
+    return (*anew)->ListMaps()->size() == 2 ? "" : "an older state";
+  });
+}
+
+TEST_F(SqliteReadOnlyTest, ALogThatItsOwnerBeginsMeanwhileIsTold) {
+  ExpectAsReader([&]() -> std::string {
+    auto store = OpenSqliteStore(path_);
+    if (!store.ok()) return store.status().ToString();
+    AsOwner([&] { PinAndCrash(); });
+    const Status status = (*store)->ListMaps().status();
+    return status.reason() == "STORE_REPLACED" ? "" : status.ToString();
+  });
+}
+
+TEST_F(SqliteReadOnlyTest, AStoreThatItsOwnerMovesAwayIsTold) {
+  ExpectAsReader([&]() -> std::string {
+    auto store = OpenSqliteStore(path_);
+    if (!store.ok()) return store.status().ToString();
+    AsOwner([&] { std::filesystem::rename(path_, path_ + ".away"); });
+    const Status status = (*store)->ListMaps().status();
+    return status.reason() == "STORE_REPLACED" ? "" : status.ToString();
+  });
+}
+
+// A crash leaves the log, a copy of the folder its index behind; without one the log cannot be
+// read.
+TEST_F(SqliteReadOnlyTest, ALogWithoutItsIndexIsNamedWithTheCure) {
+  ExpectAsReader([&]() -> std::string {
+    AsOwner([&] {
+      PinAndCrash();
+      std::filesystem::remove(path_ + "-shm");
+    });
+    const Status status = OpenSqliteStore(path_).status();
+    if (status.message().find("for writing") != std::string::npos) return status.ToString();
+    if (status.message().find(path_ + "-wal") == std::string::npos) return status.ToString();
+    return status.reason() == "STORE_NOT_WRITABLE" ? "" : status.ToString();
   });
 }
 
