@@ -321,34 +321,6 @@ void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, 
   }
 }
 
-std::uint32_t HammingDistance(int row_bytes, const std::uint8_t* a, const std::uint8_t* b) {
-  std::uint32_t sum = 0;
-  int byte = 0;
-  for (; byte + 8 <= row_bytes; byte += 8) {
-    std::uint64_t left, right;
-    std::memcpy(&left, a + byte, 8);
-    std::memcpy(&right, b + byte, 8);
-    sum += std::popcount(left ^ right);
-  }
-  for (; byte < row_bytes; ++byte) sum += std::popcount(static_cast<unsigned>(a[byte] ^ b[byte]));
-  return sum;
-}
-
-std::uint32_t SquaredL2Distance(int row_bytes, const std::uint8_t* a, const std::uint8_t* b) {
-  std::uint32_t sum = 0;
-  for (int byte = 0; byte < row_bytes; ++byte) {
-    const int difference = a[byte] - b[byte];
-    sum += static_cast<std::uint32_t>(difference * difference);
-  }
-  return sum;
-}
-
-std::uint32_t Distance(DescriptorMetric metric, int row_bytes, const std::uint8_t* a,
-                       const std::uint8_t* b) {
-  return metric == DescriptorMetric::kHamming ? HammingDistance(row_bytes, a, b)
-                                              : SquaredL2Distance(row_bytes, a, b);
-}
-
 const char* KernelTargetName() { return hwy::TargetName(HWY_TARGET); }
 
 }  // namespace HWY_NAMESPACE
@@ -374,7 +346,6 @@ HWY_EXPORT(PackRows);
 HWY_EXPORT(PackQueries);
 HWY_EXPORT(ComputeDistances);
 HWY_EXPORT(KeepNearest);
-HWY_EXPORT(Distance);
 HWY_EXPORT(KernelTargetName);
 
 void PackRows(DescriptorMetric metric, const std::uint8_t* rows, int count, int row_bytes,
@@ -399,11 +370,6 @@ void ComputeDistances(DescriptorMetric metric, int row_bytes, const std::uint8_t
 void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, int count,
                  Neighbours& nearest) {
   HWY_DYNAMIC_DISPATCH(KeepNearest)(distances, landmarks, count, nearest);
-}
-
-std::uint32_t Distance(DescriptorMetric metric, int row_bytes, const std::uint8_t* a,
-                       const std::uint8_t* b) {
-  return HWY_DYNAMIC_DISPATCH(Distance)(metric, row_bytes, a, b);
 }
 
 const char* KernelTargetName() { return HWY_DYNAMIC_DISPATCH(KernelTargetName)(); }

@@ -45,10 +45,6 @@ void ComputeDistances(DescriptorMetric metric, int row_bytes, const std::uint8_t
 void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, int count,
                  Neighbours& nearest);
 
-// Between two descriptors of row_bytes, as Neighbours' distances.
-std::uint32_t Distance(DescriptorMetric metric, int row_bytes, const std::uint8_t* a,
-                       const std::uint8_t* b);
-
 // The instruction set that runs, for reports: "AVX3_DL", "AVX2", ...
 const char* KernelTargetName();
 

@@ -137,9 +137,10 @@ Status CheckBytes(const std::string& path) {
 Status NotOfThisProgram(const std::string& path) {
   return FailedPrecondition("STORE_TOO_OLD",
                             path +
-                                ": was written by another version of maploc, and this one may "
-                                "not write there to bring it up to date; copy it with `cp` to "
-                                "where it can");
+                                ": was written by another version of maploc, and is only read "
+                                "here, so it cannot be brought up to date; copy it with `cp` to "
+                                "where you may write, and open the copy once with `maploc-map list "
+                                "--store COPY`");
 }
 
 // A program that has a store open has its log there; without one the file is whole, and still for
@@ -188,7 +189,9 @@ Status CheckStore(const std::string& path) {
 Result<SqliteDatabase> OpenStoreFile(const std::string& path, const SqliteStoreOptions& options) {
   MAPLOC_ASSIGN_OR_RETURN(const bool exists, CheckPath(path, options.create));
   if (exists) MAPLOC_RETURN_IF_ERROR(CheckBytes(path));
-  if (exists && !CanWriteStore(path)) return OpenWithoutWriting(path, options);
+  if (exists && (options.read_only || !CanWriteStore(path))) {
+    return OpenWithoutWriting(path, options);
+  }
   const SqliteAccess access = exists ? SqliteAccess::kWrite : SqliteAccess::kCreate;
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase database,
                           SqliteDatabase::Open(path, access, options.busy_timeout_ms));

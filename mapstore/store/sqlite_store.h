@@ -12,6 +12,7 @@ namespace maploc {
 
 struct SqliteStoreOptions : StoreOptions {
   bool create = true;                    // a missing or empty file becomes a new store
+  bool read_only = false;                // as where nothing may be written (CanWriteStore)
   bool sweep_abandoned_imports = false;  // at once; for a server's start
   int busy_timeout_ms = 10000;  // how long a writer waits for another process's transaction
 };

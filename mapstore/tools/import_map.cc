@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <iostream>
 
 #include "mapstore/base/clock.h"
@@ -27,9 +28,14 @@ Result<MapInfo> ChooseMap(const MapStore& file, const ImportFlags& flags) {
 
 Status Import(const CommandContext& context, const ImportFlags& flags) {
   MAPLOC_RETURN_IF_ERROR(CheckFrom(flags.from));
-  SqliteStoreOptions existing;
-  existing.create = false;
-  MAPLOC_ASSIGN_OR_RETURN(const auto file, OpenSqliteStore(flags.from, existing));
+  std::error_code none;
+  if (std::filesystem::equivalent(flags.from, context.store_path, none)) {
+    return InvalidArgument("from", "is the store itself; name another one");
+  }
+  SqliteStoreOptions source;
+  source.create = false;
+  source.read_only = true;
+  MAPLOC_ASSIGN_OR_RETURN(const auto file, OpenSqliteStore(flags.from, source));
   MAPLOC_ASSIGN_OR_RETURN(MapInfo info, ChooseMap(*file, flags));
   const MapKey from = info.key;
   info.created_unix_ns = SystemClock().NowUnixNanos();
@@ -55,7 +61,7 @@ void AddImportCommand(CLI::App& app, CommandContext& context) {
       "The map comes as a new version of its name, and inherits what the sessions of the version "
       "before taught.",
       [&context, flags] { return Import(context, *flags); });
-  command->add_option("--from", flags->from, "The file; a store with this map")
+  command->add_option("--from", flags->from, "The file; a store with this map. It stays as it is")
       ->required()
       ->type_name("FILE");
   command->add_option("--map", flags->map, "Which map, where the file holds several")

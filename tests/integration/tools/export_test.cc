@@ -1,5 +1,8 @@
 // A map from one store to another through a file.
+#include "mapstore/store/schema.h"
+#include "mapstore/store/sqlite_database.h"
 #include "tests/integration/tools/maploc_map_fixture.h"
+#include "tests/support/files.h"
 
 namespace maploc::testing {
 namespace {
@@ -38,6 +41,25 @@ TEST_F(MaplocMap, AnImportedMapIsANewVersionAndNothingIsReplaced) {
   ASSERT_EQ(Map("import --store $STORE --from " + file).exit_code, 0);
   EXPECT_EQ(OpenSqliteStore(store_).value()->GetMap("yard")->info.key.version, before + 1);
   EXPECT_EQ(OpenSqliteStore(store_).value()->GetSession("s")->map.version, before);
+}
+
+TEST_F(MaplocMap, AnImportLeavesItsFileAsItWas) {
+  const std::string file = folder_.File("yard.maploc");
+  ASSERT_EQ(Map("export --store $STORE --map yard --to " + file).exit_code, 0);
+  const std::string before = ReadFile(file);
+  const std::string target = folder_.File("target.db");
+  EXPECT_EQ(Map("import --store " + target + " --from " + file).exit_code, 0);
+  EXPECT_EQ(ReadFile(file), before);
+  {
+    auto database = SqliteDatabase::Open(file, SqliteAccess::kWrite, 1000);
+    const std::string older = std::to_string(StoreSchemaVersion() - 1);
+    ASSERT_TRUE(database->Execute("PRAGMA user_version = " + older).ok());
+  }
+  const std::string old = ReadFile(file);
+  ExpectFails("import --store " + target + " --from " + file, "another version of maploc");
+  EXPECT_EQ(ReadFile(file), old);
+  EXPECT_FALSE(std::filesystem::exists(file + "-wal"));
+  ExpectFails("import --store $STORE --from " + store_, "is the store itself");
 }
 
 TEST_F(MaplocMap, OfSeveralMapsOneMustBeNamed) {

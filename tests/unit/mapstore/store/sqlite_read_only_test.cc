@@ -187,5 +187,40 @@ TEST_F(SqliteReadOnlyTest, AnOlderVersionsStoreIsRefusedWithTheCure) {
   });
 }
 
+// For whoever may write there and only wants to read, as `import --from` does.
+TEST_F(SqliteStoreTest, OpenedForReadingAStoreKeepsItsBytesAndRefusesChanges) {
+  GiveMap(*Open());
+  SqliteStoreOptions reading;
+  reading.read_only = true;
+  const std::string before = ReadFile(path_);
+  {
+    const auto store = OpenSqliteStore(path_, reading);
+    ASSERT_TRUE(store.ok()) << store.status().ToString();
+    const MapKey key = (*store)->ListMaps()->front().info.key;
+    EXPECT_TRUE((*store)->LoadSegment(key, 0).ok());
+    EXPECT_EQ((*store)->PinStrategy(key, 0, Strategy::k2P).reason(), "STORE_READ_ONLY");
+  }
+  EXPECT_EQ(ReadFile(path_), before);
+  for (const char* suffix : {"-wal", "-shm"}) {
+    EXPECT_FALSE(std::filesystem::exists(path_ + suffix)) << suffix;
+  }
+  const std::unique_ptr<MapStore> live = Open();
+  const MapKey key = live->ListMaps()->front().info.key;
+  ASSERT_TRUE(live->PinStrategy(key, 0, Strategy::k2P).ok());
+  EXPECT_EQ(OpenSqliteStore(path_, reading).value()->GetSegment(key, 0)->pinned, Strategy::k2P);
+}
+
+TEST_F(SqliteStoreTest, OpenedForReadingAnOlderVersionsStoreKeepsItsBytes) {
+  Open();
+  Execute("PRAGMA user_version = " + std::to_string(StoreSchemaVersion() - 1));
+  SqliteStoreOptions reading;
+  reading.read_only = true;
+  const std::string before = ReadFile(path_);
+  const Status status = OpenSqliteStore(path_, reading).status();
+  EXPECT_EQ(status.reason(), "STORE_TOO_OLD");
+  EXPECT_THAT(status.message(), ::testing::HasSubstr("cp"));
+  EXPECT_EQ(ReadFile(path_), before);
+}
+
 }  // namespace
 }  // namespace maploc::testing
