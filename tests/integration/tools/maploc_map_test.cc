@@ -288,7 +288,8 @@ TEST_F(MaplocMap, ARestoreSaysWhatIsThereNow) {
   EXPECT_EQ(restored.at("sessions"), sessions.size());
   EXPECT_EQ(Json("sessions --store $STORE"), sessions);
   EXPECT_EQ(Json("verify --store $STORE").at("ok"), true);
-  ExpectFails("restore --store $STORE --from " + folder_.File("none.db"), "no such store");
+  ExpectFails("restore --store $STORE --from " + folder_.File("none.db"),
+              "no such file; check --from");
 }
 
 TEST_F(MaplocMap, APlotIsAPicture) {

@@ -165,17 +165,22 @@ TEST_F(SourceGravityTest, RefusedOnlyForTheSignTheAxisIsToldForTheUserToChoose) 
 }
 
 TEST_F(SourceGravityTest, RefusedForTheTiltTheEstimateIsTold) {
-  const PhotoSet front = Take({.yaw_range_deg = 10, .pitch_deg = 8, .level_noise_deg = 5.0});
-  const std::string error = Error(front.Poses(), std::nullopt);
-  const auto at = error.find("the estimate ");
-  ASSERT_NE(at, std::string::npos) << error;
-  Eigen::Vector3d told;
-  ASSERT_EQ(std::sscanf(error.c_str() + at, "the estimate %lf,%lf,%lf is known to within",
-                        &told.x(), &told.y(), &told.z()),
-            3)
-      << error;
-  EXPECT_LT(AngleBetween(told.normalized(), front.down_in_source), 30.0 * kDegree);
-  EXPECT_THAT(error, HasSubstr("for example the direction from the top"));
+  int told_estimates = 0;
+  for (int i = 0; i < 20; ++i) {
+    const PhotoSet set = Take({.level_noise_deg = 8.0, .photos = 12});
+    const std::string error = Error(set.Poses(), std::nullopt);
+    const auto at = error.find("the estimate ");
+    if (at == std::string::npos) continue;
+    ++told_estimates;
+    Eigen::Vector3d told;
+    ASSERT_EQ(std::sscanf(error.c_str() + at, "the estimate %lf,%lf,%lf is known to within",
+                          &told.x(), &told.y(), &told.z()),
+              3)
+        << error;
+    EXPECT_LT(AngleBetween(told.normalized(), set.down_in_source), 30.0 * kDegree);
+    EXPECT_THAT(error, HasSubstr("for example the direction from the top"));
+  }
+  EXPECT_GE(told_estimates, 10);
 }
 
 TEST_F(SourceGravityTest, PhotosTakenUpsideDownOrOnTheirSideAreSeenByTheirSky) {
