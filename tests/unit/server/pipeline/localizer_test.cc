@@ -258,11 +258,8 @@ struct PatchRange {
 };
 
 // Matches on a patch of the picture hold a pose with gravity alone. When gravity is wrong there is
-// none to answer, at any size of the patch and of the error. The smallest patches that determine a
-// pose tell tilt to 0.8 degrees; an error below 4.3 of these (p = 1e-4, as honest gravity is
-// believed) contradicts nothing: the answer must be right, and may have used it.
+// none to answer, at any size of the patch and of the error.
 TEST_F(LocalizerTest, WhatOnlyAWrongGravityHoldsIsNotAnswered) {
-  constexpr double kContradictedRad = 0.075;
   const DrawnWorld dense(testing::TestRandom(2), {.points_a_metre = 80, .lines_a_metre = 0});
   snapshot_ = Snapshot(dense);
   int inconsistent = 0;
@@ -282,9 +279,7 @@ TEST_F(LocalizerTest, WhatOnlyAWrongGravityHoldsIsNotAnswered) {
     ASSERT_TRUE(answer.ok());
     inconsistent += answer->outcome == Outcome::kGravityInconsistent ? 1 : 0;
     if (!answer->map_from_body) return;
-    if (error_rad > kContradictedRad) {
-      EXPECT_TRUE(answer->evidence.gravity_rejected) << error_rad;
-    }
+    EXPECT_TRUE(answer->evidence.gravity_rejected) << error_rad;
     EXPECT_LT(PositionError(*answer, camera_from_map_), 0.5);
   };
   for (int i = 0; i < 200; ++i) ask({});
