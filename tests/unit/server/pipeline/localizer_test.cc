@@ -285,7 +285,7 @@ TEST_F(LocalizerTest, WhatOnlyAWrongGravityHoldsIsNotAnswered) {
   for (int i = 0; i < 200; ++i) ask({});
   // Here the wrong gravity's pose has enough inliers to be believed with it and too few without,
   // in one query of five; of those above, in one of a hundred.
-  for (int i = 0; i < 80; ++i) ask({48, 52, 16, 0.0, 0.05, 0.08});
+  for (int i = 0; i < 80; ++i) ask({48, 52, 16, 0.0, 0.08, 0.1});
   EXPECT_GE(inconsistent, 1);
 }
 
