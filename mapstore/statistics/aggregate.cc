@@ -16,20 +16,21 @@ void Scale(double factor, Proportion& sum) {
 
 }  // namespace
 
-StatisticsFold::StatisticsFold(const StatisticsOptions& options)
-    : options_(options), decay_(std::exp2(-1.0 / options.half_life_sessions)) {}
+StatisticsFold::StatisticsFold(const StatisticsOptions& options, const StatisticsSums& sums)
+    : options_(options), decay_(std::exp2(-1.0 / options.half_life_sessions)), sums_(sums) {}
 
 bool StatisticsFold::IsChange(const SegmentSessionRow& row) const {
   return std::any_of(kChangeKinds.begin(), kChangeKinds.end(), [&](ChangeKind kind) {
-    return IsChanged(shares_[IndexOf(kind)], ProportionOf(kind, row, options_));
+    return IsChanged(sums_.shares[IndexOf(kind)], ProportionOf(kind, row, options_));
   });
 }
 
 void StatisticsFold::Discount(double factor) {
-  for (Proportion& share : shares_) Scale(factor, share);
-  Scale(factor, usable_lines_);
-  Scale(factor, vertical_lines_);
-  for (double* medians : {&point_medians_, &usable_line_medians_, &vertical_line_medians_}) {
+  for (Proportion& share : sums_.shares) Scale(factor, share);
+  Scale(factor, sums_.usable_lines);
+  Scale(factor, sums_.vertical_lines);
+  for (double* medians :
+       {&sums_.point_medians, &sums_.usable_line_medians, &sums_.vertical_line_medians}) {
     *medians *= factor;
   }
 }
@@ -37,43 +38,43 @@ void StatisticsFold::Discount(double factor) {
 void StatisticsFold::Add(const SegmentSessionRow& row) {
   Discount(decay_);
   if (IsChange(row)) Discount(options_.change_discount);
-  ++sessions_;
-  queries_ += row.queries;
-  localized_ += row.localized;
+  ++sums_.sessions;
+  sums_.queries += row.queries;
+  sums_.localized += row.localized;
   for (const ChangeKind kind : kChangeKinds) {
-    AddTo(shares_[IndexOf(kind)], ProportionOf(kind, row, options_));
+    AddTo(sums_.shares[IndexOf(kind)], ProportionOf(kind, row, options_));
   }
-  AddTo(usable_lines_,
+  AddTo(sums_.usable_lines,
         InliersOf(row.usable_line_inliers, row.usable_line_matches, row.localized, options_));
-  AddTo(vertical_lines_,
+  AddTo(sums_.vertical_lines,
         InliersOf(row.vertical_line_inliers, row.vertical_line_matches, row.localized, options_));
-  point_medians_ += Number(row.localized) * row.median_point_matches;
-  usable_line_medians_ += Number(row.localized) * row.median_usable_line_matches;
-  vertical_line_medians_ += Number(row.localized) * row.median_vertical_line_matches;
+  sums_.point_medians += Number(row.localized) * row.median_point_matches;
+  sums_.usable_line_medians += Number(row.localized) * row.median_usable_line_matches;
+  sums_.vertical_line_medians += Number(row.localized) * row.median_vertical_line_matches;
 }
 
 SegmentStatistics StatisticsFold::Value() const {
-  const Proportion& points = shares_[IndexOf(ChangeKind::kPoints)];
-  const Proportion& success = shares_[IndexOf(ChangeKind::kSuccess)];
+  const Proportion& points = sums_.shares[IndexOf(ChangeKind::kPoints)];
+  const Proportion& success = sums_.shares[IndexOf(ChangeKind::kSuccess)];
   SegmentStatistics value;
-  value.sessions = sessions_;
-  value.queries = queries_;
-  value.localized = localized_;
+  value.sessions = sums_.sessions;
+  value.queries = sums_.queries;
+  value.localized = sums_.localized;
   value.point_matches = points.total;
   value.point_inliers = points.good;
-  value.usable_line_matches = usable_lines_.total;
-  value.usable_line_inliers = usable_lines_.good;
-  value.vertical_line_matches = vertical_lines_.total;
-  value.vertical_line_inliers = vertical_lines_.good;
+  value.usable_line_matches = sums_.usable_lines.total;
+  value.usable_line_inliers = sums_.usable_lines.good;
+  value.vertical_line_matches = sums_.vertical_lines.total;
+  value.vertical_line_inliers = sums_.vertical_lines.good;
   value.weighted_queries = success.total;
   value.weighted_localized = success.good;
   value.independent_points = points.independent;
-  value.independent_usable_lines = usable_lines_.independent;
-  value.independent_vertical_lines = vertical_lines_.independent;
+  value.independent_usable_lines = sums_.usable_lines.independent;
+  value.independent_vertical_lines = sums_.vertical_lines.independent;
   if (success.good <= 0.0) return value;
-  value.typical_point_matches = point_medians_ / success.good;
-  value.typical_usable_line_matches = usable_line_medians_ / success.good;
-  value.typical_vertical_line_matches = vertical_line_medians_ / success.good;
+  value.typical_point_matches = sums_.point_medians / success.good;
+  value.typical_usable_line_matches = sums_.usable_line_medians / success.good;
+  value.typical_vertical_line_matches = sums_.vertical_line_medians / success.good;
   return value;
 }
 

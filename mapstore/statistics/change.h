@@ -16,6 +16,7 @@ struct Proportion {
   double good = 0.0;
   double total = 0.0;
   double independent = 0.0;
+  bool operator==(const Proportion&) const = default;
 };
 
 // Whether the share of `fresh` lies outside the 99% interval that `old` predicts for it: the

@@ -77,10 +77,12 @@ std::array<Strategy, 3> RankAfter(Strategy first, std::array<Strategy, 3> rankin
   return ranking;
 }
 
-SelectorFold::SelectorFold(const SelectorOptions& options)
+SelectorFold::SelectorFold(const SelectorOptions& options, const SelectorState& state)
     : options_(options),
-      statistics_(options.statistics),
-      prediction_(PredictStrategies(statistics_.Value(), options)) {}
+      statistics_(options.statistics, state.sums),
+      prediction_(PredictStrategies(statistics_.Value(), options)),
+      previous_(state.previous),
+      current_(state.current) {}
 
 bool SelectorFold::HasEvidence() const {
   const SegmentStatistics s = statistics_.Value();

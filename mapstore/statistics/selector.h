@@ -22,14 +22,24 @@ struct StrategySwitch {
   StrategyDecision after;
 };
 
+// All that the fold below has to remember of the rows so far.
+struct SelectorState {
+  StatisticsSums sums;
+  Strategy previous = Strategy::kMixed;  // in force before the last row
+  Strategy current = Strategy::kMixed;
+  bool operator==(const SelectorState&) const = default;
+};
+
 // Rows one after the other, oldest first; the decision in force after each. Hysteresis compares
 // with the one before, so a decision depends on the rows' order, which is theirs: (start, session).
 class SelectorFold {
  public:
-  explicit SelectorFold(const SelectorOptions& options);
+  // `state`: after the rows before, folded with the same options. Goes on from there to the bit.
+  explicit SelectorFold(const SelectorOptions& options, const SelectorState& state = {});
 
   // REQUIRES: rows come in the order (session_start_unix_ns, session).
   void Add(const SegmentSessionRow& row);
+  SelectorState state() const { return {statistics_.sums(), previous_, current_}; }
   Strategy current() const { return current_; }
   bool HasEvidence() const;
   const StatisticsFold& statistics() const { return statistics_; }
@@ -41,8 +51,8 @@ class SelectorFold {
   SelectorOptions options_;
   StatisticsFold statistics_;
   StrategyPrediction prediction_;
-  Strategy previous_ = Strategy::kMixed;  // in force before it
-  Strategy current_ = Strategy::kMixed;
+  Strategy previous_;
+  Strategy current_;
 };
 
 // `ranking` with `first` moved to its front. REQUIRES: it is in there.

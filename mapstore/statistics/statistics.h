@@ -18,14 +18,34 @@ namespace maploc {
 std::vector<SegmentSessionRow> FoldObservations(const Session& session,
                                                 std::span<const Observation> observations);
 
+// All that a fold has to remember of the rows so far.
+struct StatisticsSums {
+  // Plain counts.
+  std::int64_t sessions = 0;
+  std::int64_t queries = 0;
+  std::int64_t localized = 0;
+  // All else is weighted by age.
+  std::array<Proportion, kChangeKinds.size()> shares;  // by kind
+  Proportion usable_lines;
+  Proportion vertical_lines;
+  // Sums of (weight x localized queries x a session's median); the means are these by the
+  // localized queries by weight.
+  double point_medians = 0.0;
+  double usable_line_medians = 0.0;
+  double vertical_line_medians = 0.0;
+  bool operator==(const StatisticsSums&) const = default;
+};
+
 // One session after the other, oldest first; the sum so far loses weight before each. Statistics
 // of the first n rows are those of n calls of Add, so that a replay costs no more than one pass.
 class StatisticsFold {
  public:
-  explicit StatisticsFold(const StatisticsOptions& options);
+  // `sums`: of the rows before, folded with the same options.
+  explicit StatisticsFold(const StatisticsOptions& options, const StatisticsSums& sums = {});
 
   // REQUIRES: rows come in the order (session_start_unix_ns, session).
   void Add(const SegmentSessionRow& row);
+  const StatisticsSums& sums() const { return sums_; }
   SegmentStatistics Value() const;
 
  private:
@@ -35,19 +55,7 @@ class StatisticsFold {
 
   StatisticsOptions options_;
   double decay_;  // of one rank
-  // Plain counts.
-  std::int64_t sessions_ = 0;
-  std::int64_t queries_ = 0;
-  std::int64_t localized_ = 0;
-  // All else is weighted by age.
-  std::array<Proportion, kChangeKinds.size()> shares_;  // by kind
-  Proportion usable_lines_;
-  Proportion vertical_lines_;
-  // Sums of (weight x localized queries x a session's median); the means are these by the
-  // localized queries by weight.
-  double point_medians_ = 0.0;
-  double usable_line_medians_ = 0.0;
-  double vertical_line_medians_ = 0.0;
+  StatisticsSums sums_;
 };
 
 // REQUIRES: rows in the order (session_start_unix_ns, session). The age of a row is its rank from

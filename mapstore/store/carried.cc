@@ -137,10 +137,8 @@ std::vector<TrueRow> WithInherited(SegmentId segment, std::vector<TrueRow> own,
   for (const auto& [id, parts] : sessions) {
     if (auto carried = CarrySession(segment, parts, shares)) own.push_back(std::move(*carried));
   }
-  std::sort(own.begin(), own.end(), [](const TrueRow& a, const TrueRow& b) {
-    return std::tie(a.row.session_start_unix_ns, a.row.session) <
-           std::tie(b.row.session_start_unix_ns, b.row.session);
-  });
+  std::sort(own.begin(), own.end(),
+            [](const TrueRow& a, const TrueRow& b) { return a.position() < b.position(); });
   return own;
 }
 

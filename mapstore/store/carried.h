@@ -2,6 +2,8 @@
 // in which segment of the new one. Pure functions that all stores share.
 #pragma once
 
+#include <compare>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -22,12 +24,26 @@ struct Inheritance {
   bool operator==(const Inheritance&) const = default;
 };
 
+// A row's place in the folding order.
+struct FoldPosition {
+  std::int64_t session_start_unix_ns = 0;
+  SessionId session;
+  auto operator<=>(const FoldPosition&) const = default;
+};
+
+inline FoldPosition BeforeAllRows() { return {std::numeric_limits<std::int64_t>::min(), ""}; }
+inline FoldPosition AfterAllRows() { return {std::numeric_limits<std::int64_t>::max(), ""}; }
+inline FoldPosition PositionOf(const SegmentSessionRow& row) {
+  return {row.session_start_unix_ns, row.session};
+}
+
 // A row with what the derivation needs to know of its session.
 struct TrueRow {
   SegmentSessionRow row;
   std::int64_t source = 0;  // the version that the session was on
   std::int64_t end_unix_ns = 0;
   std::int64_t options = 0;  // a name of the options that its end was counted with: the store's own
+  FoldPosition position() const { return PositionOf(row); }
 };
 
 // A segment's places alone: enough for finding landmarks again.

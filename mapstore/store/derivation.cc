@@ -116,14 +116,16 @@ void LandmarkCounter::CountInto(MapSummary& summary) const {
   summary.usable_lines = static_cast<std::int64_t>(usable_lines_.size());
 }
 
+SegmentState StateOf(const SelectorFold& fold, const SelectorOptions& options,
+                     const std::optional<Strategy>& pinned) {
+  return {DeriveFrom(fold, pinned), pinned, options};
+}
+
 SegmentState DeriveState(const SegmentTruth& truth) {
   SelectorFold fold(truth.options);
   for (const SegmentSessionRow& row : truth.rows) fold.Add(row);
-  SegmentState state;
-  if (!truth.pins.empty()) state.pinned = truth.pins.back().strategy;
-  state.options = truth.options;
-  state.derived = DeriveFrom(fold, state.pinned);
-  return state;
+  return StateOf(fold, truth.options,
+                 truth.pins.empty() ? std::nullopt : truth.pins.back().strategy);
 }
 
 std::vector<DecisionRecord> ReplayHistory(const SegmentTruth& truth) {

@@ -48,7 +48,6 @@ struct SegmentTruth {
   std::vector<std::int64_t> ends_unix_ns;  // of their sessions, one a row
   std::vector<Pin> pins;                   // in the order in which they were given
   SelectorOptions options;  // of the newest row; without rows of the last pin; else the reader's
-  bool empty() const { return rows.empty() && pins.empty(); }
 };
 
 // What is in force for a segment.
@@ -59,7 +58,10 @@ struct SegmentState {
   bool operator==(const SegmentState&) const = default;
 };
 
-// A pin overrides the selector; its reason then names the selector's choice.
+// A pin overrides the selector; its reason then names the selector's choice. `fold`: of all rows,
+// with `options`.
+SegmentState StateOf(const SelectorFold& fold, const SelectorOptions& options,
+                     const std::optional<Strategy>& pinned);
 SegmentState DeriveState(const SegmentTruth& truth);
 
 // The history of decisions as if every session had ended in the order of their starts: one decision

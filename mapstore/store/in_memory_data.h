@@ -24,6 +24,7 @@ struct InMemorySegment {
   std::map<std::pair<std::int64_t, SessionId>, SegmentSessionRow> rows;
   std::vector<Pin> pins;
   SegmentState state;
+  std::int64_t changed = 0;  // the change counter that told of it
 };
 
 struct InMemoryMap {
@@ -52,6 +53,8 @@ class InMemoryStore : public MapStore {
   Result<MapSummary> GetMap(const std::string& name) const override;
   Result<MapSummary> GetMap(const MapKey& key) const override;
   Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const override;
+  Result<std::vector<SegmentSummary>> ListChangedSegments(const MapKey& key,
+                                                          std::int64_t since) const override;
   Result<SegmentSummary> GetSegment(const MapKey& key, SegmentId id) const override;
   Result<std::shared_ptr<const Segment>> LoadSegment(const MapKey& key,
                                                      SegmentId id) const override;

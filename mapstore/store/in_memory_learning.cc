@@ -33,7 +33,9 @@ SegmentTruth InMemoryStore::TruthOf(const InMemoryMap& map, SegmentId id) const 
 }
 
 void InMemoryStore::Derive(InMemoryMap& map, SegmentId id) const {
-  map.segments[static_cast<std::size_t>(id)].state = DeriveState(TruthOf(map, id));
+  InMemorySegment& segment = map.segments[static_cast<std::size_t>(id)];
+  segment.state = DeriveState(TruthOf(map, id));
+  segment.changed = change_counter_ + 1;
 }
 
 // The segments that the session saw, and those that inherit from them.

@@ -120,6 +120,17 @@ Result<std::vector<SegmentSummary>> InMemoryStore::ListSegments(const MapKey& ke
   return segments;
 }
 
+Result<std::vector<SegmentSummary>> InMemoryStore::ListChangedSegments(const MapKey& key,
+                                                                       std::int64_t since) const {
+  const std::lock_guard lock(mutex_);
+  MAPLOC_ASSIGN_OR_RETURN(const InMemoryMap* map, FindMap(key));
+  std::vector<SegmentSummary> segments;
+  for (const InMemorySegment& segment : map->segments) {
+    if (segment.changed > since) segments.push_back(Summarize(segment));
+  }
+  return segments;
+}
+
 Result<SegmentSummary> InMemoryStore::GetSegment(const MapKey& key, SegmentId id) const {
   const std::lock_guard lock(mutex_);
   MAPLOC_ASSIGN_OR_RETURN(const InMemorySegment* segment, FindSegment(key, id));

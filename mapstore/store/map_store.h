@@ -86,6 +86,10 @@ class MapStore {
   virtual Result<MapSummary> GetMap(const std::string& name) const = 0;
   virtual Result<MapSummary> GetMap(const MapKey& key) const = 0;
   virtual Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const = 0;
+  // Those whose statistics or strategy have changed since ChangeCounter() was `since`, by id. More
+  // than these at times, never fewer. Costs nothing for the others.
+  virtual Result<std::vector<SegmentSummary>> ListChangedSegments(const MapKey& key,
+                                                                  std::int64_t since) const = 0;
   virtual Result<SegmentSummary> GetSegment(const MapKey& key, SegmentId id) const = 0;
   // The landmarks. DATA_LOSS where a blob's length does not fit its count.
   virtual Result<std::shared_ptr<const Segment>> LoadSegment(const MapKey& key,

@@ -290,8 +290,34 @@ constexpr std::string_view kVersion6 = R"sql(
 ALTER TABLE segment_features DROP COLUMN covariances;
 )sql";
 
-constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3,
-                                    kVersion4, kVersion5, kVersion6};
+// A session's end costs the same whatever came before: rows are found in their folding order, the
+// fold goes on from a checkpoint (DeriveAllAnew writes the first ones), and a server reads what has
+// changed alone.
+constexpr std::string_view kVersion7 = R"sql(
+ALTER TABLE segment_sessions ADD COLUMN start_unix_ns INTEGER NOT NULL DEFAULT 0;
+UPDATE segment_sessions SET start_unix_ns = (
+  SELECT s.start_unix_ns FROM sessions s WHERE s.id = segment_sessions.session);
+CREATE INDEX segment_sessions_in_order
+  ON segment_sessions (map, segment, start_unix_ns, session);
+ALTER TABLE segment_states ADD COLUMN changed INTEGER NOT NULL DEFAULT 0;
+CREATE INDEX segment_states_by_change ON segment_states (map, changed);
+
+CREATE TABLE segment_folds (
+  map INTEGER NOT NULL,
+  segment INTEGER NOT NULL,
+  start_unix_ns INTEGER NOT NULL,
+  session TEXT NOT NULL REFERENCES sessions (id),
+  sessions INTEGER NOT NULL,
+  options INTEGER NOT NULL REFERENCES selector_options (id),
+  row_options INTEGER NOT NULL REFERENCES selector_options (id),
+  state BLOB NOT NULL,
+  PRIMARY KEY (map, segment, start_unix_ns, session),
+  FOREIGN KEY (map, segment) REFERENCES segments (map, segment)
+) STRICT, WITHOUT ROWID;
+)sql";
+
+constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4,
+                                    kVersion5, kVersion6, kVersion7};
 
 }  // namespace
 

@@ -201,8 +201,9 @@ class SqliteMapWriter : public MapWriter {
       const SegmentId heir = shares[i].to;
       if (i > 0 && shares[i - 1].to == heir) continue;
       MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_.Write());
-      MAPLOC_RETURN_IF_ERROR(
-          DeriveAnew(writer.database(), row_id_, heir, connections_.options().selector).status());
+      MAPLOC_RETURN_IF_ERROR(DeriveAnew(writer.database(), row_id_, heir,
+                                        connections_.options().selector, BeforeAllRows())
+                                 .status());
       MAPLOC_RETURN_IF_ERROR(writer.Commit());
     }
     return Status::Ok();

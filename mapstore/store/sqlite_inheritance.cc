@@ -48,14 +48,14 @@ Result<std::vector<std::pair<std::int64_t, SegmentId>>> ReadHeirs(SqliteDatabase
       [](const SqliteStatement& row) { return std::pair(row.Int("map"), row.Int32("segment")); });
 }
 
-Result<std::vector<TrueRow>> ReadTrueRows(SqliteDatabase& database, std::int64_t map,
-                                          SegmentId id) {
-  MAPLOC_ASSIGN_OR_RETURN(std::vector<TrueRow> own, ReadRows(database, map, id));
+Result<std::vector<TrueRow>> ReadTrueRows(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                                          const FoldPosition& after) {
+  MAPLOC_ASSIGN_OR_RETURN(std::vector<TrueRow> own, ReadRows(database, map, id, after));
   MAPLOC_ASSIGN_OR_RETURN(const auto shares, ReadSharesBehind(database, map, id));
   std::vector<TrueRow> older;
   for (const Inheritance& share : shares) {
     if (share.to != id) continue;
-    MAPLOC_ASSIGN_OR_RETURN(auto rows, ReadRows(database, share.source, share.from));
+    MAPLOC_ASSIGN_OR_RETURN(auto rows, ReadRows(database, share.source, share.from, after));
     for (TrueRow& row : rows) older.push_back(std::move(row));
   }
   return WithInherited(id, std::move(own), older, shares);

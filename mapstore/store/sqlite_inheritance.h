@@ -20,7 +20,8 @@ Result<std::vector<std::pair<std::int64_t, SegmentId>>> ReadHeirs(SqliteDatabase
                                                                   std::int64_t map, SegmentId id);
 
 // The rows of unrevoked sessions that count in a segment, its own and inherited ones, in folding
-// order.
-Result<std::vector<TrueRow>> ReadTrueRows(SqliteDatabase& database, std::int64_t map, SegmentId id);
+// order; those after `after`.
+Result<std::vector<TrueRow>> ReadTrueRows(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                                          const FoldPosition& after);
 
 }  // namespace maploc

@@ -23,13 +23,13 @@ Status LearnSegment(SqliteDatabase& database, const StoredMap& map, const Segmen
                           ReadSegmentState(database, map.row_id, row.segment, options));
   MAPLOC_RETURN_IF_ERROR(InsertRow(database, map.row_id, row, options_row));
   MAPLOC_ASSIGN_OR_RETURN(const SegmentState after,
-                          DeriveAnew(database, map.row_id, row.segment, options));
+                          DeriveAnew(database, map.row_id, row.segment, options, PositionOf(row)));
   change.strategy_before = before.derived.decision.strategy;
   change.strategy_after = after.derived.decision.strategy;
   return KeepStrategies(database, map.row_id, row.session, change);
 }
 
-// The segments of newer versions that inherit from segments whose rows have changed.
+// The segments of newer versions that inherit from segments whose rows have changed: one session's.
 Status DeriveHeirs(SqliteDatabase& database, const StoredMap& map,
                    std::span<const SegmentSessionRow> changed, const SelectorOptions& options) {
   std::set<std::pair<std::int64_t, SegmentId>> heirs;
@@ -38,7 +38,8 @@ Status DeriveHeirs(SqliteDatabase& database, const StoredMap& map,
     heirs.insert(of_segment.begin(), of_segment.end());
   }
   for (const auto& [heir, segment] : heirs) {
-    MAPLOC_RETURN_IF_ERROR(DeriveAnew(database, heir, segment, options).status());
+    MAPLOC_RETURN_IF_ERROR(
+        DeriveAnew(database, heir, segment, options, PositionOf(changed.front())).status());
   }
   return Status::Ok();
 }
@@ -81,7 +82,8 @@ Status SetSqliteSessionRevoked(SqliteConnections& connections, const SessionId& 
   MAPLOC_ASSIGN_OR_RETURN(const auto rows, ReadRowsOfSession(database, id));
   const SelectorOptions& options = connections.options().selector;
   for (const SegmentSessionRow& row : rows) {
-    MAPLOC_RETURN_IF_ERROR(DeriveAnew(database, map.row_id, row.segment, options).status());
+    MAPLOC_RETURN_IF_ERROR(
+        DeriveAnew(database, map.row_id, row.segment, options, PositionOf(row)).status());
   }
   MAPLOC_RETURN_IF_ERROR(DeriveHeirs(database, map, rows, options));
   return writer.CommitVisibly();
@@ -100,7 +102,7 @@ Status PinSqliteStrategy(SqliteConnections& connections, const MapKey& key, Segm
   if (state.pinned == pinned) return Status::Ok();
   MAPLOC_RETURN_IF_ERROR(
       InsertPin(database, map.row_id, id, {SystemClock().NowUnixNanos(), pinned}, options));
-  MAPLOC_RETURN_IF_ERROR(DeriveAnew(database, map.row_id, id, options).status());
+  MAPLOC_RETURN_IF_ERROR(DeriveAnew(database, map.row_id, id, options, AfterAllRows()).status());
   return writer.CommitVisibly();
 }
 

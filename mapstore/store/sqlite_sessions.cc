@@ -207,13 +207,14 @@ Status InsertRow(SqliteDatabase& database, std::int64_t map, const SegmentSessio
       "INSERT INTO segment_sessions (map, segment, session, queries, localized, point_matches, "
       "point_inliers, usable_line_matches, usable_line_inliers, vertical_line_matches, "
       "vertical_line_inliers, median_point_matches, median_usable_line_matches, "
-      "median_vertical_line_matches, strategy_before, strategy_after, options) VALUES (?1, ?2, ?3, "
-      "?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, 3, 3, ?15)");
+      "median_vertical_line_matches, strategy_before, strategy_after, options, start_unix_ns) "
+      "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, 3, 3, ?15, ?16)");
   return insert
       .Bind(map, row.segment, row.session, row.queries, row.localized, row.point_matches,
             row.point_inliers, row.usable_line_matches, row.usable_line_inliers,
             row.vertical_line_matches, row.vertical_line_inliers, row.median_point_matches,
-            row.median_usable_line_matches, row.median_vertical_line_matches, options)
+            row.median_usable_line_matches, row.median_vertical_line_matches, options,
+            row.session_start_unix_ns)
       .Run();
 }
 
@@ -228,16 +229,19 @@ Status KeepStrategies(SqliteDatabase& database, std::int64_t map, const SessionI
       .Run();
 }
 
-Result<std::vector<TrueRow>> ReadRows(SqliteDatabase& database, std::int64_t map, SegmentId id) {
+Result<std::vector<TrueRow>> ReadRows(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                                      const FoldPosition& after) {
   SqliteStatement statement(database,
                             "SELECT " + std::string(kRowColumns) +
                                 ", s.end_unix_ns, r.options "
                                 "FROM segment_sessions r JOIN sessions s ON s.id = r.session "
-                                "WHERE r.map = ?1 AND r.segment = ?2 AND s.revoked = 0 "
-                                "ORDER BY s.start_unix_ns, s.id");
-  return statement.Bind(map, id).Collect([map](const SqliteStatement& row) {
-    return TrueRow{RowAt(row), map, row.Int("end_unix_ns"), row.Int("options")};
-  });
+                                "WHERE r.map = ?1 AND r.segment = ?2 AND "
+                                "(r.start_unix_ns, r.session) > (?3, ?4) AND s.revoked = 0 "
+                                "ORDER BY r.start_unix_ns, r.session");
+  return statement.Bind(map, id, after.session_start_unix_ns, after.session)
+      .Collect([map](const SqliteStatement& row) {
+        return TrueRow{RowAt(row), map, row.Int("end_unix_ns"), row.Int("options")};
+      });
 }
 
 Result<std::vector<SegmentSessionRow>> ReadRowsOfSession(SqliteDatabase& database,

@@ -35,8 +35,9 @@ Status InsertRow(SqliteDatabase& database, std::int64_t map, const SegmentSessio
 // The strategies of a segment before and after a session's end, for its kept summary.
 Status KeepStrategies(SqliteDatabase& database, std::int64_t map, const SessionId& id,
                       const SessionSummary::SegmentChange& change);
-// Of unrevoked sessions on this version, in folding order.
-Result<std::vector<TrueRow>> ReadRows(SqliteDatabase& database, std::int64_t map, SegmentId id);
+// Of unrevoked sessions on this version, in folding order; those after `after`.
+Result<std::vector<TrueRow>> ReadRows(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                                      const FoldPosition& after);
 // Of one session, by segment.
 Result<std::vector<SegmentSessionRow>> ReadRowsOfSession(SqliteDatabase& database,
                                                          const SessionId& id);

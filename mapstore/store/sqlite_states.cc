@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "mapstore/store/sqlite_folds.h"
 #include "mapstore/store/sqlite_inheritance.h"
 
 namespace maploc {
@@ -15,13 +16,19 @@ constexpr std::string_view kStateColumns =
     "vertical_line_matches, vertical_line_inliers, typical_point_matches, "
     "typical_usable_line_matches, typical_vertical_line_matches, weighted_queries, "
     "weighted_localized, independent_points, independent_usable_lines, independent_vertical_lines, "
-    "second_choice, third_choice";
+    "second_choice, third_choice, changed";
 // After those of version 1: half_life_sessions to cost_mixed.
 constexpr std::string_view kOptionColumns =
     "half_life_sessions, change_discount, independent_matches_per_query, min_localized_queries, "
     "prior_matches, prior_inlier_ratio, hysteresis, cost_1p1l, cost_2p, cost_mixed, "
     "independent_queries_per_session, criterion, max_iterations, two_points_good, two_points_bad, "
     "point_and_line_good, point_and_line_bad, point_and_verticals_good, point_and_verticals_bad";
+
+Result<std::optional<std::int64_t>> ReadMeta(SqliteDatabase& database, std::string_view name) {
+  SqliteStatement meta(database, "SELECT value FROM meta WHERE name = ?1");
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, meta.Bind(name).Step());
+  return found ? std::optional(meta.Int("value")) : std::nullopt;
+}
 
 std::optional<Strategy> PinAt(const SqliteStatement& row, ColumnName column) {
   if (row.IsNull(column)) return std::nullopt;
@@ -108,9 +115,16 @@ Status ReadPins(SqliteDatabase& database, std::int64_t map, SegmentId id, std::v
   }
 }
 
+// The change counter's value at this transaction's end.
+Result<std::int64_t> NextChange(SqliteDatabase& database) {
+  MAPLOC_ASSIGN_OR_RETURN(const auto counter, ReadMeta(database, "change_counter"));
+  return counter.value_or(0) + 1;
+}
+
 Status WriteState(SqliteDatabase& database, std::int64_t map, SegmentId id,
                   const SegmentState& state) {
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t options, OptionsRow(database, state.options));
+  MAPLOC_ASSIGN_OR_RETURN(const std::int64_t change, NextChange(database));
   const std::string columns(kStateColumns);
   SqliteStatement statement(database, "INSERT OR REPLACE INTO segment_states (" + columns +
                                           ") VALUES " + ParametersFor(columns));
@@ -126,8 +140,34 @@ Status WriteState(SqliteDatabase& database, std::int64_t map, SegmentId id,
             sums.weighted_queries, sums.weighted_localized, sums.independent_points,
             sums.independent_usable_lines, sums.independent_vertical_lines,
             static_cast<std::int64_t>(decision.ranking[1]),
-            static_cast<std::int64_t>(decision.ranking[2]))
+            static_cast<std::int64_t>(decision.ranking[2]), change)
       .Run();
+}
+
+// A reader that looks for changes finds no row, so it is told that there was one.
+Status DeleteState(SqliteDatabase& database, std::int64_t map, SegmentId id) {
+  SqliteStatement remove(database, "DELETE FROM segment_states WHERE map = ?1 AND segment = ?2");
+  MAPLOC_RETURN_IF_ERROR(remove.Bind(map, id).Run());
+  MAPLOC_ASSIGN_OR_RETURN(const std::int64_t change, NextChange(database));
+  SqliteStatement keep(database, "INSERT OR REPLACE INTO meta VALUES ('states_deleted', ?1)");
+  return keep.Bind(change).Run();
+}
+
+// Adds `rows` to the fold of `last`, and keeps checkpoints.
+Status FoldOn(SqliteDatabase& database, std::int64_t map, SegmentId id,
+              const std::optional<FoldCheckpoint>& last, std::span<const TrueRow> rows,
+              SelectorFold& fold) {
+  if (rows.empty()) return Status::Ok();
+  if (last && !IsKept(last->state)) {
+    MAPLOC_RETURN_IF_ERROR(DeleteCheckpoint(database, map, id, last->position));
+  }
+  for (const TrueRow& row : rows) {
+    fold.Add(row.row);
+    if (&row != &rows.back() && !IsKept(fold.state())) continue;
+    MAPLOC_RETURN_IF_ERROR(InsertCheckpoint(
+        database, map, id, {row.position(), fold.state(), rows.back().options, row.options}));
+  }
+  return Status::Ok();
 }
 
 Result<std::vector<std::pair<std::int64_t, SegmentId>>> SegmentsWithTruth(
@@ -148,7 +188,7 @@ Result<SegmentTruth> ReadTruth(SqliteDatabase& database, std::int64_t map, Segme
   truth.options = defaults;
   std::optional<std::int64_t> options;
   MAPLOC_RETURN_IF_ERROR(ReadPins(database, map, id, truth.pins, options));
-  MAPLOC_ASSIGN_OR_RETURN(auto rows, ReadTrueRows(database, map, id));
+  MAPLOC_ASSIGN_OR_RETURN(auto rows, ReadTrueRows(database, map, id, BeforeAllRows()));
   for (TrueRow& row : rows) {
     truth.rows.push_back(std::move(row.row));
     truth.ends_unix_ns.push_back(row.end_unix_ns);
@@ -211,28 +251,54 @@ Status InsertPin(SqliteDatabase& database, std::int64_t map, SegmentId id, const
 }
 
 Result<SegmentState> DeriveAnew(SqliteDatabase& database, std::int64_t map, SegmentId id,
-                                const SelectorOptions& defaults) {
-  MAPLOC_ASSIGN_OR_RETURN(const SegmentTruth truth, ReadTruth(database, map, id, defaults));
-  SegmentState state = DeriveState(truth);
-  if (truth.empty()) {
-    SqliteStatement remove(database, "DELETE FROM segment_states WHERE map = ?1 AND segment = ?2");
-    MAPLOC_RETURN_IF_ERROR(remove.Bind(map, id).Run());
-  } else {
-    MAPLOC_RETURN_IF_ERROR(WriteState(database, map, id, state));
+                                const SelectorOptions& defaults, const FoldPosition& changed) {
+  MAPLOC_RETURN_IF_ERROR(DeleteCheckpointsFrom(database, map, id, changed));
+  MAPLOC_ASSIGN_OR_RETURN(const auto last, ReadLastCheckpoint(database, map, id));
+  MAPLOC_ASSIGN_OR_RETURN(const auto rows,
+                          ReadTrueRows(database, map, id, last ? last->position : BeforeAllRows()));
+  std::vector<Pin> pins;
+  std::optional<std::int64_t> options_row;
+  MAPLOC_RETURN_IF_ERROR(ReadPins(database, map, id, pins, options_row));
+  if (last) options_row = last->row_options;
+  if (!rows.empty()) options_row = rows.back().options;
+  if (last && last->options != *options_row) {
+    return DeriveAnew(database, map, id, defaults, BeforeAllRows());
   }
+  SelectorOptions options = defaults;
+  if (options_row) {
+    MAPLOC_ASSIGN_OR_RETURN(options, ReadOptions(database, *options_row));
+  }
+  SelectorFold fold(options, last ? last->state : SelectorState{});
+  MAPLOC_RETURN_IF_ERROR(FoldOn(database, map, id, last, rows, fold));
+  const SegmentState state =
+      StateOf(fold, options, pins.empty() ? std::nullopt : pins.back().strategy);
+  MAPLOC_RETURN_IF_ERROR(options_row ? WriteState(database, map, id, state)
+                                     : DeleteState(database, map, id));
   return state;
 }
 
+Result<std::vector<SegmentId>> ReadChanged(SqliteDatabase& database, std::int64_t map,
+                                           std::int64_t since) {
+  MAPLOC_ASSIGN_OR_RETURN(const auto deleted, ReadMeta(database, "states_deleted"));
+  const bool all = deleted.value_or(0) > since;
+  SqliteStatement ids(database, all ? "SELECT segment FROM segments WHERE map = ?1 ORDER BY segment"
+                                    : "SELECT segment FROM segment_states WHERE map = ?1 AND "
+                                      "changed > ?2 ORDER BY segment");
+  all ? ids.Bind(map) : ids.Bind(map, since);
+  return ids.Collect([](const SqliteStatement& row) { return row.Int32("segment"); });
+}
+
 Result<bool> IsStale(SqliteDatabase& database) {
-  SqliteStatement kept(database, "SELECT value FROM meta WHERE name = 'derivation_fingerprint'");
-  MAPLOC_ASSIGN_OR_RETURN(const bool found, kept.Step());
-  return !found || kept.Int("value") != DerivationFingerprint();
+  MAPLOC_ASSIGN_OR_RETURN(const auto kept, ReadMeta(database, "derivation_fingerprint"));
+  return kept != DerivationFingerprint();
 }
 
 Status DeriveAllAnew(SqliteDatabase& database) {
+  MAPLOC_RETURN_IF_ERROR(database.Execute("DELETE FROM segment_folds"));
   MAPLOC_ASSIGN_OR_RETURN(const auto segments, SegmentsWithTruth(database));
   for (const auto& [map, id] : segments) {
-    MAPLOC_RETURN_IF_ERROR(DeriveAnew(database, map, id, SelectorOptions{}).status());
+    MAPLOC_RETURN_IF_ERROR(
+        DeriveAnew(database, map, id, SelectorOptions{}, BeforeAllRows()).status());
   }
   SqliteStatement keep(database,
                        "INSERT OR REPLACE INTO meta VALUES ('derivation_fingerprint', ?1)");

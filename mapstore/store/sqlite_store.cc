@@ -22,6 +22,8 @@ class SqliteStore : public MapStore {
   Result<MapSummary> GetMap(const std::string& name) const override;
   Result<MapSummary> GetMap(const MapKey& key) const override;
   Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const override;
+  Result<std::vector<SegmentSummary>> ListChangedSegments(const MapKey& key,
+                                                          std::int64_t since) const override;
   Result<SegmentSummary> GetSegment(const MapKey& key, SegmentId id) const override;
   Result<std::shared_ptr<const Segment>> LoadSegment(const MapKey& key,
                                                      SegmentId id) const override;
@@ -94,6 +96,19 @@ Result<std::vector<SegmentSummary>> SqliteStore::ListSegments(const MapKey& key)
   for (std::int64_t id = 0; id < map.summary.segments; ++id) {
     MAPLOC_ASSIGN_OR_RETURN(SegmentSummary summary,
                             ReadSummaryOf(reader.database(), map, static_cast<SegmentId>(id)));
+    segments.push_back(std::move(summary));
+  }
+  return segments;
+}
+
+Result<std::vector<SegmentSummary>> SqliteStore::ListChangedSegments(const MapKey& key,
+                                                                     std::int64_t since) const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(reader.database(), key));
+  MAPLOC_ASSIGN_OR_RETURN(const auto ids, ReadChanged(reader.database(), map.row_id, since));
+  std::vector<SegmentSummary> segments;
+  for (const SegmentId id : ids) {
+    MAPLOC_ASSIGN_OR_RETURN(SegmentSummary summary, ReadSummaryOf(reader.database(), map, id));
     segments.push_back(std::move(summary));
   }
   return segments;

@@ -1,6 +1,8 @@
 #include "mapstore/store/sqlite_verify.h"
 
 #include "mapstore/store/derivation.h"
+#include "mapstore/store/sqlite_folds.h"
+#include "mapstore/store/sqlite_inheritance.h"
 #include "mapstore/store/sqlite_maps.h"
 #include "mapstore/store/sqlite_sessions.h"
 #include "mapstore/store/sqlite_states.h"
@@ -37,6 +39,28 @@ Status CheckIntegrity(SqliteDatabase& database) {
   return Status::Ok();
 }
 
+// Each checkpoint is what the rows so far come to, to the bit, and the last row has one.
+Status CheckCheckpoints(SqliteDatabase& database, const StoredMap& map, SegmentId id,
+                        const SelectorOptions& options) {
+  MAPLOC_ASSIGN_OR_RETURN(const auto rows, ReadTrueRows(database, map.row_id, id, BeforeAllRows()));
+  MAPLOC_ASSIGN_OR_RETURN(const auto checkpoints, ReadCheckpoints(database, map.row_id, id));
+  SelectorFold fold(options);
+  auto next = checkpoints.begin();
+  for (const TrueRow& row : rows) {
+    fold.Add(row.row);
+    if (next == checkpoints.end() || next->position != row.position()) continue;
+    if (next->state != fold.state() || next->row_options != row.options ||
+        next->options != rows.back().options) {
+      break;
+    }
+    ++next;
+  }
+  const bool last_has_one = rows.empty() || (!checkpoints.empty() &&
+                                             checkpoints.back().position == rows.back().position());
+  if (next == checkpoints.end() && last_has_one) return Status::Ok();
+  return Broken(database, NameOf(map, id) + ": a checkpoint differs from its sessions' rows");
+}
+
 // What is kept of a segment is what its sessions' rows and its pins say, to the bit.
 Status CheckState(SqliteDatabase& database, const StoredMap& map, SegmentId id) {
   const SelectorOptions defaults;
@@ -53,7 +77,7 @@ Status CheckState(SqliteDatabase& database, const StoredMap& map, SegmentId id) 
   if (derived.pinned != kept.pinned || derived.options != kept.options) {
     return Broken(database, NameOf(map, id) + ": its pin or its options differ from what was set");
   }
-  return Status::Ok();
+  return CheckCheckpoints(database, map, id, truth.options);
 }
 
 Status CheckSegment(SqliteDatabase& database, const StoredMap& map, SegmentId id,

@@ -31,18 +31,25 @@ bool IsSameVersion(const MapSnapshot& loaded, const MapSummary& stored) {
          static_cast<std::int64_t>(loaded.segments.size()) == stored.segments;
 }
 
-// The same map with other strategies; the same pointer where nothing differs. REQUIRES: they are as
-// many as the map's segments, by id.
+bool AreSegmentsOf(const MapSnapshot& map, const std::vector<SegmentSummary>& segments) {
+  return std::ranges::all_of(segments, [&map](const SegmentSummary& summary) {
+    return summary.id < static_cast<SegmentId>(map.segments.size());
+  });
+}
+
+// The same map with the strategies of these segments; the same pointer where nothing differs.
+// REQUIRES: they are segments of the map.
 MapCache::Snapshot WithStrategies(const MapCache::Snapshot& old,
                                   const std::vector<SegmentSummary>& segments) {
+  const auto is_as_it_was = [&old](const SegmentSummary& summary) {
+    return old->segments.at(summary.id).decision == summary.decision;
+  };
+  if (std::ranges::all_of(segments, is_as_it_was)) return old;
   auto changed = std::make_shared<MapSnapshot>(*old);
-  bool differs = false;
   for (const SegmentSummary& summary : segments) {
-    StrategyDecision& decision = changed->segments.at(summary.id).decision;
-    differs = differs || decision != summary.decision;
-    decision = summary.decision;
+    changed->segments.at(summary.id).decision = summary.decision;
   }
-  return differs ? changed : old;
+  return changed;
 }
 
 }  // namespace
@@ -109,6 +116,7 @@ MapCache::Snapshot MapCache::FindNewest(const std::string& name) {
 }
 
 Result<MapCache::Snapshot> MapCache::Load(const MapKey& key) {
+  MAPLOC_ASSIGN_OR_RETURN(const std::int64_t counter, store_->ChangeCounter());
   const Result<MapSummary> map = store_->GetMap(key);
   if (!map.ok()) return MapNotFound(map.status(), key.name);
   MAPLOC_ASSIGN_OR_RETURN(std::vector<MapSnapshot::Entry> entries, LoadEntries(*store_, key));
@@ -121,25 +129,26 @@ Result<MapCache::Snapshot> MapCache::Load(const MapKey& key) {
   }
   // A decision that was made while this loaded found no entry to change.
   const std::lock_guard refresh_lock(refresh_mutex_);
-  MAPLOC_RETURN_IF_ERROR(RefreshStrategies(key));
+  MAPLOC_RETURN_IF_ERROR(RefreshStrategies(key, counter));
   if (Snapshot found = Find(key)) return found;
   return Status(StatusCode::kUnavailable, "MAP_MOVES",
                 "map '" + key.name + "' was replaced while it was loaded; try again");
 }
 
-Status MapCache::RefreshStrategies(const MapKey& key) {
+Status MapCache::RefreshStrategies(const MapKey& key, std::int64_t since) {
   const Result<MapSummary> map = store_->GetMap(key);
   if (map.status().code() == StatusCode::kNotFound) return Drop(key), Status::Ok();
   if (!map.ok()) return map.status();
-  MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments, store_->ListSegments(key));
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> changed,
+                          store_->ListChangedSegments(key, since));
   {
     const std::lock_guard lock(mutex_);
     const auto found = entries_.find(key);
     if (found == entries_.end()) return Status::Ok();
     Snapshot& snapshot = found->second.snapshot;
     // Between two calls of the store the version may become another one.
-    if (IsSameVersion(*snapshot, *map) && segments.size() == snapshot->segments.size()) {
-      snapshot = WithStrategies(snapshot, segments);
+    if (IsSameVersion(*snapshot, *map) && AreSegmentsOf(*snapshot, changed)) {
+      snapshot = WithStrategies(snapshot, changed);
       return Status::Ok();
     }
   }
@@ -161,7 +170,7 @@ Status MapCache::Refresh() {
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t counter, store_->ChangeCounter());
   if (counter == seen_counter_) return Status::Ok();
   for (const MapKey& key : LoadedKeys()) {
-    MAPLOC_RETURN_IF_ERROR(RefreshStrategies(key));
+    MAPLOC_RETURN_IF_ERROR(RefreshStrategies(key, seen_counter_));
   }
   seen_counter_ = counter;
   return Status::Ok();

@@ -60,8 +60,9 @@ class MapCache {
   Snapshot Find(const MapKey& key);
   Snapshot FindNewest(const std::string& name);
   Result<Snapshot> Load(const MapKey& key);
-  // Drops the version where the store has it no more, or has another content under its number.
-  Status RefreshStrategies(const MapKey& key);
+  // What has changed since the store's counter was `since`. Drops the version where the store has
+  // it no more, or has another content under its number.
+  Status RefreshStrategies(const MapKey& key, std::int64_t since);
   void Drop(const MapKey& key);
   std::vector<MapKey> LoadedKeys() const;
   Result<Snapshot> LoadNewest(const std::string& name);

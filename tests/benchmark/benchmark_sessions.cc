@@ -3,12 +3,14 @@
 // queries, in microseconds; the target of the median is 50.
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <mutex>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
 #include "mapstore/store/sqlite_store.h"
+#include "server/sessions/map_cache.h"
 #include "server/sessions/session_manager.h"
 #include "tests/contract/store/store_fixture.h"
 #include "tests/support/files.h"
@@ -77,6 +79,58 @@ BENCHMARK(BM_StatisticsOfAQuery)
     ->Iterations(kQueriesAThread)
     ->Threads(16)
     ->UseManualTime()
+    ->Unit(benchmark::kMicrosecond);
+
+// The end of a session with one query in one segment, with so many ended sessions behind it that
+// saw the same segment. (20,000 take two minutes to make: MEASUREMENTS.md has them.)
+void BM_EndOfASession(benchmark::State& state) {
+  const TemporaryFolder folder;
+  const std::unique_ptr<MapStore> store = OpenSqliteStore(folder.File("store")).value();
+  const MapKey map = GiveMap(*store);
+  std::int64_t sessions = 0;
+  const auto end_one = [&] {
+    const SessionId id = "session" + std::to_string(sessions);
+    Session session = OpenSession(id, map);
+    session.start_unix_ns = ++sessions;
+    if (!store->StartSession(session).ok()) std::abort();
+    const auto start = std::chrono::steady_clock::now();
+    const std::vector<Observation> last = {Seen(1, 0)};
+    if (!store->EndSession(id, SessionEnd::kByRobot, sessions, last).ok()) std::abort();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  while (sessions < state.range(0)) end_one();
+  for (auto _ : state) state.SetIterationTime(end_one());
+}
+BENCHMARK(BM_EndOfASession)
+    ->Arg(100)
+    ->Arg(2'000)
+    ->Iterations(200)
+    ->UseManualTime()
+    ->Unit(benchmark::kMicrosecond);
+
+// What a server does after the end of a session that changed one segment of so many: it looks for
+// strategies that are new.
+void BM_RefreshAfterAnEnd(benchmark::State& state) {
+  const TemporaryFolder folder;
+  const std::unique_ptr<MapStore> store = OpenSqliteStore(folder.File("store")).value();
+  const MapKey map = GiveMap(*store, "yard", static_cast<int>(state.range(0)));
+  MapCacheOptions options;
+  options.poll_interval = std::chrono::hours(1);
+  MapCache cache(store.get(), options);
+  if (!cache.Newest(map.name).ok()) std::abort();
+  int pins = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    const Strategy pinned = ++pins % 2 == 0 ? Strategy::k2P : Strategy::k1P1L;
+    if (!store->PinStrategy(map, 0, pinned).ok()) std::abort();
+    state.ResumeTiming();
+    if (!cache.Refresh().ok()) std::abort();
+  }
+}
+BENCHMARK(BM_RefreshAfterAnEnd)
+    ->Arg(10)
+    ->Arg(1'000)
+    ->Iterations(100)
     ->Unit(benchmark::kMicrosecond);
 
 }  // namespace

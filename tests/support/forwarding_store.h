@@ -19,6 +19,10 @@ class ForwardingStore : public MapStore {
   Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const override {
     return store_->ListSegments(key);
   }
+  Result<std::vector<SegmentSummary>> ListChangedSegments(const MapKey& key,
+                                                          std::int64_t since) const override {
+    return store_->ListChangedSegments(key, since);
+  }
   Result<SegmentSummary> GetSegment(const MapKey& key, SegmentId id) const override {
     return store_->GetSegment(key, id);
   }

@@ -9,6 +9,9 @@
 namespace maploc::testing {
 namespace {
 
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 INSTANTIATE_TEST_SUITE_P(Stores, LearningContract,
@@ -77,6 +80,32 @@ TEST_P(LearningContract, ARevokedSessionHasNeverBeen) {
   }
 }
 
+// So many that a store which remembers where it was goes on from many such places.
+TEST_P(LearningContract, HundredsOfSessionsInAnyOrderWithRevokesBetween) {
+  Random random = TestRandom();
+  SCOPED_TRACE(::testing::Message() << "seed " << TestSeed());
+  std::vector<Drive> drives = RandomDrives(random, 160);
+  FreshAfter(drives, random);
+  const std::vector<Told> in_order = Tell();
+
+  Fresh();
+  StartAll(drives);
+  Shuffle(random, drives);
+  std::set<SessionId> revoked;
+  for (std::size_t i = 0; i < drives.size(); ++i) {
+    Finish(drives[i], random);
+    if (i % 10 != 0) continue;
+    const SessionId& other = drives[random.Below(i + 1)].id;
+    const bool is_out = !revoked.insert(other).second;
+    if (is_out) revoked.erase(other);
+    ASSERT_TRUE((is_out ? store_->ReinstateSession(other) : store_->RevokeSession(other)).ok());
+  }
+  ExpectVerified();
+  for (const SessionId& id : revoked) ASSERT_TRUE(store_->ReinstateSession(id).ok());
+  EXPECT_EQ(Tell(), in_order);
+  ExpectVerified();
+}
+
 TEST_P(LearningContract, PinsStayWhatSessionsDoAround) {
   Random random = TestRandom();
   const std::vector<Drive> drives = RandomDrives(random, 8);
@@ -118,6 +147,35 @@ TEST_P(LearningContract, AnOpenSessionCanBeRevoked) {
   EXPECT_FALSE(store_->GetSession("s")->revoked);
   EXPECT_EQ(At(key_, 1).statistics.queries, 2);
   ExpectVerified();
+}
+
+TEST_P(LearningContract, ChangedSegmentsAreTheOnesThatASessionAPinOrARevokeTouched) {
+  Fresh();
+  const auto changed_since = [&](std::int64_t since) {
+    std::set<SegmentId> ids;
+    const std::vector<SegmentSummary> changed = store_->ListChangedSegments(key_, since).value();
+    for (const SegmentSummary& segment : changed) {
+      EXPECT_EQ(segment.statistics, At(key_, segment.id).statistics);
+      EXPECT_EQ(segment.decision, At(key_, segment.id).decision);
+      ids.insert(segment.id);
+    }
+    return ids;
+  };
+  const std::int64_t at_first = Changes();
+  EXPECT_THAT(changed_since(at_first), IsEmpty());
+  Start("s", key_);
+  End("s", {Seen(1, 0), OutOfMap(2)});
+  const std::int64_t after_end = Changes();
+  EXPECT_THAT(changed_since(at_first), ElementsAre(0));
+  EXPECT_THAT(changed_since(after_end), IsEmpty());
+  ASSERT_TRUE(store_->PinStrategy(key_, 2, Strategy::k2P).ok());
+  EXPECT_THAT(changed_since(after_end), ElementsAre(2));
+  EXPECT_THAT(changed_since(at_first), ElementsAre(0, 2));
+  const std::int64_t after_pin = Changes();
+  ASSERT_TRUE(store_->RevokeSession("s").ok());  // nothing is known of segment 0 any more
+  EXPECT_THAT(changed_since(after_pin), Contains(0));
+  EXPECT_THAT(changed_since(Changes()), IsEmpty());
+  EXPECT_EQ(store_->ListChangedSegments({"nowhere", 1}, 0).status().code(), StatusCode::kNotFound);
 }
 
 TEST_P(LearningContract, ARevokeIsSeenByCachesOnceAndNamesWhatIsUnknown) {

@@ -16,6 +16,20 @@ struct Given {
   std::string columns = "*";
 };
 
+const std::string kRowsOfVersion6 =
+    "map, segment, session, queries, localized, point_matches, point_inliers, "
+    "usable_line_matches, usable_line_inliers, vertical_line_matches, vertical_line_inliers, "
+    "median_point_matches, median_usable_line_matches, median_vertical_line_matches, "
+    "strategy_before, strategy_after, options";
+
+const std::string kStatesOfVersion6 =
+    "map, segment, options, pinned, strategy, second_choice, third_choice, source, reason, "
+    "predicted_success, sessions, queries, localized, point_matches, point_inliers, "
+    "usable_line_matches, usable_line_inliers, vertical_line_matches, vertical_line_inliers, "
+    "typical_point_matches, typical_usable_line_matches, typical_vertical_line_matches, "
+    "weighted_queries, weighted_localized, independent_points, independent_usable_lines, "
+    "independent_vertical_lines";
+
 const std::vector<Given> kOfVersion4 = {
     {"meta"},
     {"map_versions",
@@ -34,9 +48,9 @@ const std::vector<Given> kOfVersion4 = {
      "usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back, "
      "iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns"},
     {"selector_options"},
-    {"segment_sessions"},
+    {"segment_sessions", kRowsOfVersion6},
     {"pins"},
-    {"segment_states"},
+    {"segment_states", kStatesOfVersion6},
     {"inheritance"}};
 
 const std::vector<Given> kOfVersion5 = {{"meta"},
@@ -47,9 +61,9 @@ const std::vector<Given> kOfVersion5 = {{"meta"},
                                         {"session_labels"},
                                         {"observations"},
                                         {"selector_options"},
-                                        {"segment_sessions"},
+                                        {"segment_sessions", kRowsOfVersion6},
                                         {"pins"},
-                                        {"segment_states"},
+                                        {"segment_states", kStatesOfVersion6},
                                         {"inheritance"}};
 
 class SqliteMigrationTest : public SqliteStoreTest {

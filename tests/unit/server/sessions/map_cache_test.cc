@@ -136,6 +136,10 @@ class ChangingStore final : public testing::ForwardingStore {
   Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const override {
     return Now().ListSegments(key);
   }
+  Result<std::vector<SegmentSummary>> ListChangedSegments(const MapKey& key,
+                                                          std::int64_t since) const override {
+    return Now().ListChangedSegments(key, since);
+  }
   Result<std::shared_ptr<const Segment>> LoadSegment(const MapKey& key,
                                                      SegmentId id) const override {
     return Now().LoadSegment(key, id);

@@ -1,0 +1,156 @@
+#include "mapstore/store/sqlite_folds.h"
+
+#include <bit>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "mapstore/base/random.h"
+
+namespace maploc {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+// The numbers of a state, one after the other. `Visitor` is called with each.
+template <typename State, typename Visitor>
+void ForEachNumber(State& state, const Visitor& visit) {
+  auto& sums = state.sums;
+  visit(sums.sessions), visit(sums.queries), visit(sums.localized);
+  const auto visit_proportion = [&](auto& share) {
+    visit(share.good), visit(share.total), visit(share.independent);
+  };
+  for (auto& share : sums.shares) visit_proportion(share);
+  visit_proportion(sums.usable_lines);
+  visit_proportion(sums.vertical_lines);
+  visit(sums.point_medians), visit(sums.usable_line_medians), visit(sums.vertical_line_medians);
+  visit(state.previous), visit(state.current);
+}
+
+template <typename T>
+std::uint64_t BitsOf(T value) {
+  if constexpr (std::is_same_v<T, double>) return std::bit_cast<std::uint64_t>(value);
+  return static_cast<std::uint64_t>(value);
+}
+
+template <typename T>
+void SetBits(std::uint64_t bits, T& value) {
+  if constexpr (std::is_same_v<T, double>) {
+    value = std::bit_cast<double>(bits);
+  } else {
+    value = static_cast<T>(bits);
+  }
+}
+
+void Append(std::uint64_t bits, Bytes& bytes) {
+  for (int shift = 0; shift < 64; shift += 8) {
+    bytes.push_back(static_cast<std::uint8_t>(bits >> shift));
+  }
+}
+
+std::uint64_t NumberAt(std::span<const std::uint8_t> bytes, std::size_t at) {
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < 8; ++i) bits |= static_cast<std::uint64_t>(bytes[at + i]) << (8 * i);
+  return bits;
+}
+
+std::uint64_t HashOf(std::span<const std::uint8_t> bytes) {
+  return HashBytes(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
+Bytes Encode(const SelectorState& state) {
+  Bytes bytes;
+  ForEachNumber(state, [&](const auto& number) { Append(BitsOf(number), bytes); });
+  Append(HashOf(bytes), bytes);
+  return bytes;
+}
+
+std::optional<SelectorState> Decode(std::span<const std::uint8_t> bytes) {
+  static const std::size_t size = Encode({}).size();
+  if (bytes.size() != size) return std::nullopt;
+  const std::size_t hash_at = size - sizeof(std::uint64_t);
+  if (HashOf(bytes.first(hash_at)) != NumberAt(bytes, hash_at)) return std::nullopt;
+  SelectorState state;
+  std::size_t at = 0;
+  ForEachNumber(state, [&](auto& number) {
+    SetBits(NumberAt(bytes, at), number);
+    at += sizeof(std::uint64_t);
+  });
+  return state;
+}
+
+constexpr std::string_view kColumns =
+    "map, segment, start_unix_ns, session, sessions, options, row_options, state";
+
+// Nothing where it is damaged.
+std::optional<FoldCheckpoint> CheckpointAt(const SqliteStatement& row) {
+  FoldCheckpoint checkpoint;
+  checkpoint.position = {row.Int("start_unix_ns"), row.Text("session")};
+  checkpoint.options = row.Int("options");
+  checkpoint.row_options = row.Int("row_options");
+  const auto state = Decode(row.Bytes("state"));
+  if (!state) return std::nullopt;
+  checkpoint.state = *state;
+  return checkpoint;
+}
+
+std::string SelectAnd(std::string_view order) {
+  return "SELECT " + std::string(kColumns) +
+         " FROM segment_folds WHERE map = ?1 AND segment = ?2 ORDER BY " + std::string(order);
+}
+
+}  // namespace
+
+Result<std::optional<FoldCheckpoint>> ReadLastCheckpoint(SqliteDatabase& database, std::int64_t map,
+                                                         SegmentId id) {
+  SqliteStatement last(database, SelectAnd("start_unix_ns DESC, session DESC LIMIT 1"));
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, last.Bind(map, id).Step());
+  return found ? CheckpointAt(last) : std::nullopt;
+}
+
+Result<std::vector<FoldCheckpoint>> ReadCheckpoints(SqliteDatabase& database, std::int64_t map,
+                                                    SegmentId id) {
+  SqliteStatement all(database, SelectAnd("start_unix_ns, session"));
+  MAPLOC_ASSIGN_OR_RETURN(const auto read, all.Bind(map, id).Collect(CheckpointAt));
+  std::vector<FoldCheckpoint> checkpoints;
+  for (const auto& checkpoint : read) {
+    if (!checkpoint) {
+      return Status(
+          StatusCode::kDataLoss, "DAMAGED_STORE",
+          "segment " + std::to_string(id) + ": a checkpoint of its statistics is damaged");
+    }
+    checkpoints.push_back(*checkpoint);
+  }
+  return checkpoints;
+}
+
+Status InsertCheckpoint(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                        const FoldCheckpoint& checkpoint) {
+  const std::string columns(kColumns);
+  SqliteStatement insert(database, "INSERT OR REPLACE INTO segment_folds (" + columns +
+                                       ") VALUES " + ParametersFor(columns));
+  return insert
+      .Bind(map, id, checkpoint.position.session_start_unix_ns, checkpoint.position.session,
+            checkpoint.state.sums.sessions, checkpoint.options, checkpoint.row_options,
+            Encode(checkpoint.state))
+      .Run();
+}
+
+Status DeleteCheckpoint(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                        const FoldPosition& position) {
+  SqliteStatement remove(database,
+                         "DELETE FROM segment_folds WHERE map = ?1 AND segment = ?2 AND "
+                         "start_unix_ns = ?3 AND session = ?4");
+  return remove.Bind(map, id, position.session_start_unix_ns, position.session).Run();
+}
+
+Status DeleteCheckpointsFrom(SqliteDatabase& database, std::int64_t map, SegmentId id,
+                             const FoldPosition& from) {
+  SqliteStatement remove(database,
+                         "DELETE FROM segment_folds WHERE map = ?1 AND segment = ?2 AND "
+                         "(start_unix_ns, session) >= (?3, ?4)");
+  return remove.Bind(map, id, from.session_start_unix_ns, from.session).Run();
+}
+
+}  // namespace maploc
