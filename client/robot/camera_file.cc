@@ -8,6 +8,7 @@
 #include <map>
 #include <sstream>
 
+#include "mapstore/base/path_kind.h"
 #include "mapstore/formats/colmap.h"
 #include "mapstore/formats/euroc.h"
 
@@ -169,7 +170,7 @@ Result<Camera> ReadCameraFile(const CameraChoice& choice) {
     if (!choice.camera_id) return ReadEurocSensorYaml(file);
     return InvalidArgument("--camera-id", "chooses among COLMAP's cameras; " + file + " is one");
   }
-  if (std::filesystem::is_directory(file)) return ReadFromModel(choice, file);
+  if (IsFolder(file)) return ReadFromModel(choice, file);
   if (extension == ".bin") {
     const std::string folder = std::filesystem::path(file).parent_path().string();
     return ReadFromModel(choice, folder.empty() ? "." : folder);

@@ -1,10 +1,10 @@
 // What a recorded robot looks at before its first query.
-#include <filesystem>
 
 #include "client/robot/missing.h"
 #include "client/robot/photo_header.h"
 #include "client/robot/recorded_robot.h"
 #include "mapstore/base/name.h"
+#include "mapstore/base/path_kind.h"
 #include "mapstore/features/features.h"
 
 namespace maploc {
@@ -64,7 +64,7 @@ Status RecordedRobot::CheckPhotos() const {
   }
   std::vector<std::string> missing;
   for (int i = 0; i < QueryCount(); ++i) {
-    if (!std::filesystem::is_regular_file(ImagePath(i))) missing.push_back(images_[i].name);
+    if (!IsRegularFile(ImagePath(i))) missing.push_back(images_[i].name);
   }
   if (!missing.empty()) {
     return InvalidFile(options_.images,

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "mapstore/base/path_kind.h"
 #include "mapstore/features/image_end.h"
 
 namespace maploc {
@@ -58,14 +58,14 @@ cv::Mat Decode(const std::string& path) {
 }  // namespace
 
 Status CheckWhole(const std::string& path) {
-  if (!std::filesystem::is_regular_file(path) || EndsWithMark(LastBytes(path))) {
+  if (!IsRegularFile(path) || EndsWithMark(LastBytes(path))) {
     return Status::Ok();
   }
   return CheckEnd(path);
 }
 
 Result<GrayImage> LoadGrayImage(const std::string& path) {
-  if (!std::filesystem::is_regular_file(path)) return InvalidFile(path, "is not there");
+  if (!IsRegularFile(path)) return InvalidFile(path, "is not there");
   MAPLOC_RETURN_IF_ERROR(CheckEnd(path));
   cv::Mat decoded;
   try {

@@ -3,6 +3,7 @@
 #include <string>
 #include <system_error>
 
+#include "mapstore/base/path_kind.h"
 #include "mapstore/formats/colmap.h"
 #include "mapstore/formats/colmap_binary.h"
 #include "mapstore/formats/colmap_difference.h"
@@ -15,7 +16,7 @@ constexpr std::array<const char*, 3> kParts = {"cameras", "images", "points3D"};
 
 bool HasAllParts(const std::string& directory, const std::string& extension) {
   for (const char* part : kParts) {
-    if (!std::filesystem::exists(directory + "/" + part + extension)) return false;
+    if (!Exists(directory + "/" + part + extension)) return false;
   }
   return true;
 }
@@ -63,7 +64,7 @@ Result<ColmapModel> ReadBinaryBesideText(const std::string& directory, bool has_
 }  // namespace
 
 Result<ColmapModel> ReadColmapModel(const std::string& directory) {
-  if (!std::filesystem::is_directory(directory)) {
+  if (!IsFolder(directory)) {
     return NotFound("model folder '" + directory + "'", "FILE_NOT_FOUND");
   }
   const bool has_text = HasAllParts(directory, ".txt");

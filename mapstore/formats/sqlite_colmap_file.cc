@@ -7,6 +7,8 @@
 #include <fstream>
 #include <utility>
 
+#include "mapstore/base/path_kind.h"
+
 namespace maploc {
 namespace {
 
@@ -60,8 +62,8 @@ Status CheckLogs(const std::string& path) {
 // tells at once.
 Status CheckHeader(const std::string& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path)) return NotFound("database '" + path + "'", "FILE_NOT_FOUND");
-  if (!std::filesystem::is_regular_file(path)) return InvalidFile(path, "is not a regular file");
+  if (!Exists(path)) return NotFound("database '" + path + "'", "FILE_NOT_FOUND");
+  if (!IsRegularFile(path)) return InvalidFile(path, "is not a regular file");
   MAPLOC_RETURN_IF_ERROR(CheckLogs(path));  // it explains what else may be wrong with the file
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   std::array<unsigned char, 100> header{};

@@ -1,18 +1,20 @@
 #include "mapstore/importers/photo_features.h"
 
 #include <cmath>
-#include <filesystem>
 #include <optional>
 #include <utility>
+
+#include "mapstore/base/path_kind.h"
 
 namespace maploc {
 namespace {
 
 Result<GrayImage> LoadPhoto(const std::string& images_directory, const KeyFrame& frame) {
   const std::string path = images_directory + "/" + frame.name;
-  if (!std::filesystem::is_regular_file(path)) {
+  if (!IsRegularFile(path)) {
     return InvalidFile(path,
-                       "is not there; --images is the folder that the model's names start from");
+                       "is not there, or may not be read; --images is the folder that the model's "
+                       "names start from");
   }
   MAPLOC_ASSIGN_OR_RETURN(GrayImage image, LoadGrayImage(path));
   if (image.width_px != frame.camera.width_px() || image.height_px != frame.camera.height_px()) {

@@ -1,12 +1,12 @@
 #include "mapstore/tools/import_colmap.h"
 
 #include <chrono>
-#include <filesystem>
 #include <iostream>
 #include <numbers>
 
 #include <unistd.h>
 
+#include "mapstore/base/path_kind.h"
 #include "mapstore/base/table.h"
 #include "mapstore/importers/colmap_importer.h"
 #include "mapstore/tools/output.h"
@@ -129,7 +129,7 @@ Status Import(const CommandContext& context, const Flags& flags) {
     return store.get();
   };
   // A store that is there is tried before the work; one that is not is made after it.
-  if (std::filesystem::exists(context.store_path)) MAPLOC_RETURN_IF_ERROR(open().status());
+  if (Exists(context.store_path)) MAPLOC_RETURN_IF_ERROR(open().status());
   MAPLOC_ASSIGN_OR_RETURN(const ColmapImportReport report,
                           ImportColmap(options, open, TerminalProgress()));
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
@@ -161,8 +161,9 @@ void AddSourceFlags(CLI::App& command, Flags& flags) {
   command.add_option("--images", flags.options.images_directory, "The photos: lines, and features")
       ->type_name("DIR");
   command
-      .add_option("--descriptors", flags.descriptors,
-                  "orb, sift_root_u8, sift_u8 or binaryN; else the database's, or sift_root_u8")
+      .add_option(
+          "--descriptors", flags.descriptors,
+          "orb, sift_root_u8, sift_u8, unitN or binaryN; else the database's, or sift_root_u8")
       ->check(CheckDescriptorKind)
       ->type_name("KIND");
   command.add_flag("--triangulate", flags.options.triangulate,

@@ -53,9 +53,24 @@ class BadFiles : public ::testing::Test {
 TEST_F(BadFiles, PhotosThatAreNotTheModelsAreToldWithTheCure) {
   const std::string import = "import-colmap --map facade --store " + store_ + " --model " + text_ +
                              " --database " + database_ + " --images " + folder_.path();
-  ExpectFailed(Run(import), "img0.jpg: is not there; --images is the folder");
+  ExpectFailed(Run(import), "img0.jpg: is not there, or may not be read; --images is the folder");
   WriteFile(folder_.File("img0.jpg"), "P5 4 3 255\n" + std::string(12, '\x80'));
   ExpectFailed(Run(import), "has 1000x800; give the photos that the model was made of");
+}
+
+// Each thread of the import comes upon such a name.
+TEST_F(BadFiles, NamesThatNoFileCanHaveAreToldLikeMissingPhotos) {
+  const std::string too_long(300, 'x');
+  std::string images = ReadFile(text_ + "/images.txt");
+  for (std::size_t at = 0; (at = images.find("img", at)) != std::string::npos;) {
+    images.replace(at, 3, too_long);
+    at += too_long.size();
+  }
+  WriteFile(text_ + "/images.txt", images);
+  ExpectFailed(
+      Run("import-colmap --map facade --descriptors sift_root_u8 --gravity 0,0,-1 --store " +
+          store_ + " --model " + text_ + " --images " + folder_.path()),
+      "x0.jpg: is not there, or may not be read");
 }
 
 // The map "yard" of this store has lines.
