@@ -26,13 +26,11 @@ enum class AgainstGravity { kNever, kIfInconsistent, kIfNotLocalized };
 std::vector<int> Rank(const QueryContext& context, const std::optional<PosePrior>& prior,
                       StageTimes& times) {
   const Stopwatch watch(times.retrieval_ms);
-  std::vector<std::shared_ptr<const Segment>> segments;
-  for (const MapSnapshot::Entry& entry : context.map.segments) segments.push_back(entry.segment);
   const RetrievalOptions options{
       .max_segments = context.options.max_segments_tried,
       .max_ratio = MaxRatio(context.map.info.point_descriptor),
   };
-  return RankSegments(context.view().points, prior, segments, *context.map.places, options);
+  return RankSegments(context.view().points, prior, *context.map.places, options);
 }
 
 MatchedProblem Match(const QueryContext& context, const Segment& segment, StageTimes& times) {
@@ -162,7 +160,8 @@ Result<Localization> TryBeyondFirst(const QueryContext& context, const std::vect
 Result<Localization> TrySegments(const QueryContext& context, const std::vector<int>& ranked,
                                  Progress& progress, StageTimes& times) {
   const MapSnapshot::Entry& best = context.map.segments[ranked.front()];
-  MAPLOC_ASSIGN_OR_RETURN(std::optional<Localization> quick, TryCoarseToFine(context, best, times));
+  MAPLOC_ASSIGN_OR_RETURN(std::optional<Localization> quick,
+                          TryCoarseToFine(context, best, progress.iterations, times));
   if (quick) quick = Weigh(*std::move(quick), progress);
   if (quick && quick->outcome == Outcome::kLocalized) return *std::move(quick);
   const bool alone = ranked.size() == 1;

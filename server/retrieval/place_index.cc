@@ -83,7 +83,10 @@ PlaceIndex PlaceIndex::Build(std::span<const std::shared_ptr<const Segment>> seg
                   RepresentativeRows(richest->descriptors, rows.begin, rows.end));
     index.segment_begin_.push_back(static_cast<std::int32_t>(index.holders_.size()));
   }
-  for (const auto& segment : segments) index.reach_.push_back(MedianReach(*segment));
+  for (const auto& segment : segments) {
+    index.reach_.push_back(MedianReach(*segment));
+    index.paths_.push_back(segment->path_in_map);
+  }
   return index;
 }
 

@@ -20,6 +20,7 @@ class PlaceIndex {
   // each segment that holds it 4 bytes and 4 bytes a row. REQUIRES: no null, one descriptor kind.
   static PlaceIndex Build(std::span<const std::shared_ptr<const Segment>> segments);
 
+  int segment_count() const { return static_cast<int>(reach_.size()); }
   int landmark_count() const { return static_cast<int>(segment_begin_.size()) - 1; }
   const Descriptors& descriptors() const { return descriptors_; }
   // One a descriptor row, ascending: index of a landmark of this index, in [0, landmark_count()).
@@ -32,6 +33,8 @@ class PlaceIndex {
   // How far off its path a segment can be seen from: the median distance from its landmarks to its
   // path (map unit); 0 without landmarks or path. `segment` is an index into Build's segments.
   double ReachOf(int segment) const { return reach_[segment]; }
+  // The segment's path; may be empty.
+  const std::vector<Eigen::Vector3d>& PathOf(int segment) const { return paths_[segment]; }
 
  private:
   void AddRows(const Descriptors& descriptors, const std::vector<int>& rows);
@@ -42,6 +45,7 @@ class PlaceIndex {
   std::vector<std::int32_t> holders_;
   std::vector<std::vector<std::int32_t>> segment_rows_;
   std::vector<double> reach_;
+  std::vector<std::vector<Eigen::Vector3d>> paths_;
 };
 
 }  // namespace maploc

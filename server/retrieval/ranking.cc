@@ -10,8 +10,6 @@
 namespace maploc {
 namespace {
 
-using Segments = std::span<const std::shared_ptr<const Segment>>;
-
 Descriptors EvenRows(const Descriptors& all, int max_rows) {
   return GatherRows(all, EvenSample(all.size(), max_rows));
 }
@@ -33,11 +31,11 @@ struct Candidate {
   double distance = 0.0;  // from the prior to the path, in the prior's sigmas
 };
 
-std::vector<Candidate> NearPrior(const PosePrior& prior, Segments segments,
-                                 const PlaceIndex& places, double max_sigmas) {
+std::vector<Candidate> NearPrior(const PosePrior& prior, const PlaceIndex& places,
+                                 double max_sigmas) {
   std::vector<Candidate> near;
-  for (int s = 0; s < static_cast<int>(segments.size()); ++s) {
-    const std::vector<Eigen::Vector3d>& path = segments[s]->path_in_map;
+  for (int s = 0; s < places.segment_count(); ++s) {
+    const std::vector<Eigen::Vector3d>& path = places.PathOf(s);
     const double distance = path.empty() ? 0.0 : DistanceToPath(prior.position_in_map, path);
     if (distance > max_sigmas * prior.sigma_m + places.ReachOf(s)) continue;
     near.push_back({s, distance / prior.sigma_m});
@@ -111,19 +109,18 @@ double SegmentScore(const Descriptors& features, const PlaceIndex& places, int s
 }
 
 std::vector<int> RankSegments(const PointFeatures& features, const std::optional<PosePrior>& prior,
-                              Segments segments, const PlaceIndex& places,
-                              const RetrievalOptions& options) {
-  std::vector<int> candidates(segments.size());
+                              const PlaceIndex& places, const RetrievalOptions& options) {
+  std::vector<int> candidates(places.segment_count());
   std::iota(candidates.begin(), candidates.end(), 0);
   if (prior) {
-    const std::vector<Candidate> near = NearPrior(*prior, segments, places, options.max_sigmas);
+    const std::vector<Candidate> near = NearPrior(*prior, places, options.max_sigmas);
     if (static_cast<int>(near.size()) <= options.max_segments) return BestByDistance(near);
     candidates.clear();
     for (const Candidate& candidate : near) candidates.push_back(candidate.segment);
   }
   if (candidates.size() <= 1) return candidates;
-  return RankByFeatures(features.descriptors, std::move(candidates),
-                        static_cast<int>(segments.size()), places, options);
+  return RankByFeatures(features.descriptors, std::move(candidates), places.segment_count(), places,
+                        options);
 }
 
 }  // namespace maploc

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "mapstore/model/map.h"
@@ -26,15 +24,14 @@ struct RetrievalOptions {
   double max_sigmas = 4.0;  // farther from the prior (plus the segment's reach) is left out
 };
 
-// Indices into `segments`, best first, at most max_segments.
+// Indices into the segments that `places` was built from, best first, at most max_segments.
 // * A prior leaves out the segments whose path is farther from it than max_sigmas plus their reach;
 //   where none is left the answer is empty (OUT_OF_MAP). A segment without a path is never left
 //   out. No more than max_segments left: nearest first, and nothing is matched.
 // * More than max_shortlist candidates: those with most votes stay (CountVotes).
 // * The rest is matched with each segment and ranked by SegmentScore; ties by id.
-// REQUIRES: `places` was built from `segments`; the features' kind is the map's.
+// REQUIRES: the features' kind is the map's.
 std::vector<int> RankSegments(const PointFeatures& features, const std::optional<PosePrior>& prior,
-                              std::span<const std::shared_ptr<const Segment>> segments,
                               const PlaceIndex& places, const RetrievalOptions& options = {});
 
 // One search over the whole map: a feature whose nearest landmark passes the ratio test votes for

@@ -12,14 +12,12 @@ namespace {
 
 // Index of the best ranked segment, as the localizer ranks; nullopt: out of the map.
 std::optional<int> BestSegment(const Query& query, const MapSnapshot& map) {
-  std::vector<std::shared_ptr<const Segment>> segments;
-  for (const MapSnapshot::Entry& entry : map.segments) segments.push_back(entry.segment);
   const RetrievalOptions options{
       .max_segments = 1,
       .max_ratio = MaxRatio(map.info.point_descriptor),
   };
   const std::vector<int> ranked =
-      RankSegments(query.views.front().points, query.prior, segments, *map.places, options);
+      RankSegments(query.views.front().points, query.prior, *map.places, options);
   return ranked.empty() ? std::nullopt : std::optional<int>(ranked.front());
 }
 
