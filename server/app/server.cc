@@ -163,7 +163,8 @@ Status Server::Shutdown() {
 Status Server::WriteOut() {
   if (sessions_ == nullptr) return Status::Ok();
   MAPLOC_RETURN_IF_ERROR(sessions_->Shutdown());
-  static_cast<void>(store_->ChangeCounter());  // a read looks at the file's content, too
+  if (store_->read_only()) return Status::Ok();  // nothing was learned
+  static_cast<void>(store_->ChangeCounter());    // a read looks at the file's content, too
   const Status replaced = store_->CheckIdentity();
   if (replaced.ok()) return replaced;
   return Status(replaced.code(), replaced.reason(),
