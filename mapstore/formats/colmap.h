@@ -65,8 +65,8 @@ struct ColmapFeatures {
   std::vector<float> scales_px;  // one a keypoint, 0 where it is not finite; empty with 2 columns
 };
 
-// The features of all images in database.db, by image name. `kind`: empty name means guess (128
-// columns: sift_root_u8, others binaryN).
+// The features of all images in database.db, by image name. `kind`: empty name means guess (learned
+// float32: unitN; 128 columns: sift_root_u8, others binaryN).
 Result<std::map<std::string, ColmapFeatures>> ReadColmapDatabase(
     const std::string& path, const std::optional<DescriptorKind>& kind = std::nullopt);
 

@@ -37,13 +37,11 @@ std::string FindDescriptorFault(std::span<const std::uint8_t> bytes, std::size_t
   if (rows == 0) return "";
   std::size_t constant = 0;
   std::size_t like_first = 0;
-  std::size_t unit_floats = 0;
   const Row first = bytes.first(columns);
   for (std::size_t i = 0; i < rows; ++i) {
     const Row row = bytes.subspan(i * columns, columns);
     constant += IsConstant(row) ? 1 : 0;
     like_first += std::equal(row.begin(), row.end(), first.begin()) ? 1 : 0;
-    unit_floats += IsFloatUnitVector(row) ? 1 : 0;
   }
   const std::string count = std::to_string(rows);
   const std::string again = "; extract the features of this image again";
@@ -53,12 +51,16 @@ std::string FindDescriptorFault(std::span<const std::uint8_t> bytes, std::size_t
   }
   if (rows >= kMinRows && like_first == rows)
     return "its " + count + " descriptors are all equal" + again;
-  if (2 * unit_floats > rows) {
-    return "its descriptors are " + std::to_string(columns / sizeof(float)) +
-           " float32 each (learned features), for which there is no kind; give --images and "
-           "--triangulate in place of --database, or extract SIFT";
-  }
   return "";
+}
+
+bool AreUnitVectors(std::span<const std::uint8_t> bytes, std::size_t columns) {
+  const std::size_t rows = columns == 0 ? 0 : bytes.size() / columns;
+  std::size_t unit_vectors = 0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    unit_vectors += IsFloatUnitVector(bytes.subspan(i * columns, columns)) ? 1 : 0;
+  }
+  return 2 * unit_vectors > rows;
 }
 
 }  // namespace maploc

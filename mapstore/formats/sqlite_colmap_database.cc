@@ -21,7 +21,7 @@ constexpr std::string_view kFrom =
     "LEFT JOIN descriptors d ON d.image_id = i.image_id ORDER BY i.image_id";
 
 // What COLMAP 4's descriptors.type says of learned features; "" of those that bytes alone may
-// tell: SIFT (0), undefined (-1), and databases without the column.
+// tell: SIFT (0), undefined (-1), and databases without the column. All of them are float32.
 std::string LearnedFeatures(sqlite3_stmt* row, int column) {
   constexpr std::array<const char*, 2> kNames = {"ALIKED_N16ROT", "ALIKED_N32"};
   if (sqlite3_column_type(row, column) == SQLITE_NULL) return "";
@@ -147,16 +147,42 @@ class Reader {
 
   Status ReadDescriptors(sqlite3_stmt* row, ColmapFeatures& features) {
     MAPLOC_ASSIGN_OR_RETURN(const Block block, ReadBlock(row, 5, "descriptors", features, 1));
-    MAPLOC_RETURN_IF_ERROR(CheckDescriptors(row, block, features));
-    if (block.rows > 0) MAPLOC_RETURN_IF_ERROR(SettleKind(block.cols, features));
-    const auto* bytes = static_cast<const std::uint8_t*>(block.data);
-    features.points.descriptors.bytes.assign(bytes, bytes + block.rows * block.cols);
-    if (kind_) features.points.descriptors.kind = *kind_;
+    MAPLOC_RETURN_IF_ERROR(CheckCount(block, features));
+    const std::span bytes(static_cast<const std::uint8_t*>(block.data),
+                          static_cast<std::size_t>(block.rows * block.cols));
+    const auto columns = static_cast<std::size_t>(block.cols);
+    const std::string learned = LearnedFeatures(row, 8);
+    Descriptors& descriptors = features.points.descriptors;
+    if (!learned.empty() || AreUnitVectors(bytes, columns)) {
+      MAPLOC_ASSIGN_OR_RETURN(descriptors, FromFloats(bytes, columns, learned, features));
+    } else {
+      descriptors.bytes.assign(bytes.begin(), bytes.end());
+    }
+    const std::size_t row_bytes = descriptors.kind.bytes > 0 ? descriptors.kind.bytes : columns;
+    const std::string fault = FindDescriptorFault(descriptors.bytes, row_bytes);
+    if (!fault.empty()) return RowError("descriptors", features, fault);
+    if (block.rows > 0) MAPLOC_RETURN_IF_ERROR(SettleKind(static_cast<int>(row_bytes), features));
+    if (kind_) descriptors.kind = *kind_;
     return Status::Ok();
   }
 
-  Status CheckDescriptors(sqlite3_stmt* row, const Block& block,
-                          const ColmapFeatures& features) const {
+  // Learned descriptors as their kind has them. `name`: what COLMAP calls them, or "".
+  Result<Descriptors> FromFloats(std::span<const std::uint8_t> bytes, std::size_t columns,
+                                 const std::string& name, const ColmapFeatures& features) const {
+    std::vector<float> values(bytes.size() / sizeof(float));
+    if (columns % sizeof(float) != 0) {
+      return RowError("descriptors", features,
+                      "holds " + name + ", but its rows of " + std::to_string(columns) +
+                          " bytes are no float32");
+    }
+    std::memcpy(values.data(), bytes.data(), bytes.size());
+    Result<Descriptors> rows = FromUnitVectors(values, static_cast<int>(columns / sizeof(float)));
+    if (rows.ok()) return rows;
+    return RowError("descriptors", features,
+                    (name.empty() ? "" : "holds " + name + ": ") + rows.status().message());
+  }
+
+  Status CheckCount(const Block& block, const ColmapFeatures& features) const {
     const auto keypoints = static_cast<std::int64_t>(features.points.keypoints_px.size());
     if (block.rows != keypoints) {
       const std::string cure =
@@ -165,20 +191,18 @@ class Reader {
                       "has " + std::to_string(block.rows) + " rows, but there are " +
                           std::to_string(keypoints) + " keypoints" + cure);
     }
-    if (const std::string learned = LearnedFeatures(row, 8); !learned.empty()) {
-      return RowError("descriptors", features,
-                      "holds " + learned +
-                          " (float32), for which there is no kind; give --images --triangulate in "
-                          "place of --database, or extract with --FeatureExtraction.type SIFT");
-    }
-    const std::span bytes(static_cast<const std::uint8_t*>(block.data),
-                          static_cast<std::size_t>(block.rows * block.cols));
-    const std::string fault = FindDescriptorFault(bytes, static_cast<std::size_t>(block.cols));
-    return fault.empty() ? Status::Ok() : RowError("descriptors", features, fault);
+    return Status::Ok();
   }
 
   // The first image with features decides what the others must be.
-  Status SettleKind(std::int64_t cols, const ColmapFeatures& features) {
+  Status SettleKind(int cols, const ColmapFeatures& features) {
+    const DescriptorKind& found = features.points.descriptors.kind;
+    if (!kind_ && found.bytes > 0) kind_ = found;
+    if (kind_ && (found.bytes > 0 || kind_->name.starts_with("unit")) && found != *kind_) {
+      return OtherKind(
+          found.bytes > 0 ? "learned descriptors of kind " + found.name : "no learned descriptors",
+          features);
+    }
     if (!kind_) {
       const Result<DescriptorKind> guess = DescriptorKindFromName(
           cols == 128 ? std::string("sift_root_u8") : "binary" + std::to_string(cols));
@@ -186,9 +210,13 @@ class Reader {
       kind_ = *guess;
     }
     if (kind_->bytes == cols) return Status::Ok();
+    return OtherKind(std::to_string(cols) + " columns", features);
+  }
+
+  Status OtherKind(const std::string& has, const ColmapFeatures& features) const {
     return RowError("descriptors", features,
-                    "has " + std::to_string(cols) + " columns, but descriptors of kind " +
-                        kind_->name + " have " + std::to_string(kind_->bytes) +
+                    "has " + has + ", but descriptors of kind " + kind_->name + " have " +
+                        std::to_string(kind_->bytes) + " columns" +
                         (asked_for_ ? "; leave --descriptors out, the database's kind is then taken"
                                     : "; extract the features of all images with one program and "
                                       "its settings"));

@@ -23,7 +23,7 @@ constexpr int kDirections = 8;
 constexpr int kSiftBytes = kCells * kCells * kDirections;
 
 bool IsSift(const DescriptorKind& kind) {
-  return kind.metric == DescriptorMetric::kL2U8 && kind.bytes == kSiftBytes;
+  return kind.name.starts_with("sift") && kind.bytes == kSiftBytes;
 }
 
 void AppendMirrored(std::span<const std::uint8_t> sift, std::vector<std::uint8_t>& bytes) {

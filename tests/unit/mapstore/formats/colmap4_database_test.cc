@@ -65,26 +65,53 @@ TEST_F(Colmap4DatabaseTest, SiftIsReadBesideRigsAndFrames) {
 }
 
 // Bits of float32 compared by Hamming would match nothing, and say so to nobody.
-TEST_F(Colmap4DatabaseTest, LearnedFeaturesAreRefusedByName) {
-  AddLearned("2", 30, 128);
-  EXPECT_THAT(Error(), HasSubstr("table descriptors, image 1 ('left.jpg'): holds ALIKED_N32"));
-  EXPECT_THAT(Error(), HasSubstr("--FeatureExtraction.type SIFT"));
-  EXPECT_THAT(Error(*DescriptorKindFromName("binary512")), HasSubstr("ALIKED_N32"));
-  Execute("UPDATE descriptors SET type = 1");
-  EXPECT_THAT(Error(), HasSubstr("holds ALIKED_N16ROT"));
-  Execute("UPDATE descriptors SET type = 9");
-  EXPECT_THAT(Error(), HasSubstr("holds features of type 9"));
+TEST_F(Colmap4DatabaseTest, LearnedFeaturesAreOfTheKindOfTheirLength) {
+  for (const std::string type : {"2", "1", "9"}) {
+    AddLearned(type, 30, 128);
+    const auto database = ReadColmapDatabase(path_);
+    ASSERT_TRUE(database.ok()) << database.status().ToString();
+    const Descriptors& read = database->at("left.jpg").points.descriptors;
+    EXPECT_EQ(read.kind, *DescriptorKindFromName("unit128"));
+    EXPECT_EQ(read.size(), 30);
+    EXPECT_TRUE(CheckScale(read, "read").ok());
+    EXPECT_TRUE(ReadColmapDatabase(path_, *DescriptorKindFromName("unit128")).ok());
+    for (const std::string other : {"binary512", "sift_root_u8", "unit64"}) {
+      EXPECT_THAT(
+          Error(*DescriptorKindFromName(other)),
+          HasSubstr("has learned descriptors of kind unit128, but descriptors of kind " + other));
+    }
+    Execute("DELETE FROM images; DELETE FROM keypoints; DELETE FROM descriptors;");
+  }
 }
 
 // Other programs write learned features without a type: SuperPoint has 256 elements, DISK 128.
-TEST_F(Colmap4DatabaseTest, LearnedFeaturesWithoutATypeAreNoticedByTheirBytes) {
-  AddLearned("0", 30, 128);
-  EXPECT_THAT(Error(), HasSubstr("its descriptors are 128 float32 each"));
-  Execute("UPDATE descriptors SET type = -1");
-  EXPECT_THAT(Error(), HasSubstr("its descriptors are 128 float32 each"));
-  Execute("DELETE FROM images; DELETE FROM keypoints; DELETE FROM descriptors;");
-  AddLearned("0", 30, 256);
-  EXPECT_THAT(Error(), HasSubstr("its descriptors are 256 float32 each"));
+TEST_F(Colmap4DatabaseTest, LearnedFeaturesWithoutATypeAreKnownByTheirBytes) {
+  for (const auto& [type, elements] : {std::pair("0", 128), std::pair("-1", 256)}) {
+    AddLearned(type, 30, elements);
+    const auto database = ReadColmapDatabase(path_);
+    ASSERT_TRUE(database.ok()) << database.status().ToString();
+    EXPECT_EQ(database->at("left.jpg").points.descriptors.kind.bytes, elements);
+    Execute("DELETE FROM images; DELETE FROM keypoints; DELETE FROM descriptors;");
+  }
+}
+
+TEST_F(Colmap4DatabaseTest, WhatIsNoLearnedDescriptorIsToldByItsRow) {
+  AddLearned("2", 30, 128);
+  Execute("UPDATE descriptors SET data = zeroblob(30 * 512)");
+  EXPECT_THAT(Error(), HasSubstr("image 1 ('left.jpg'): holds ALIKED_N32: "));
+  EXPECT_THAT(Error(), HasSubstr("row 0 is not finite or has no length"));
+  Execute("UPDATE descriptors SET cols = 130, data = zeroblob(30 * 130)");
+  EXPECT_THAT(Error(), HasSubstr("its rows of 130 bytes are no float32"));
+  Execute("UPDATE descriptors SET cols = 32, data = zeroblob(30 * 32)");
+  EXPECT_THAT(Error(), HasSubstr("'unit8' is unknown"));
+}
+
+// One program's SIFT and another's learned features in one database.
+TEST_F(Colmap4DatabaseTest, LearnedAndOtherFeaturesTogetherAreRefused) {
+  AddLearned("2", 30, 128);
+  AddImage(2, "right.jpg", {1, 2, 3, 4}, 2, 2, 128);
+  EXPECT_THAT(Error(), HasSubstr("image 2 ('right.jpg'): has no learned descriptors, but "
+                                 "descriptors of kind unit128"));
 }
 
 TEST_F(Colmap4DatabaseTest, PriorsOfPositionAloneBreakNothing) {

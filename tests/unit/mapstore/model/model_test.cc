@@ -1,7 +1,11 @@
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <string_view>
+#include <vector>
 
+#include <Eigen/Core>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +13,7 @@
 #include "mapstore/model/localization.h"
 #include "mapstore/model/map.h"
 #include "mapstore/model/strategy.h"
+#include "tests/support/seed.h"
 
 namespace maploc {
 namespace {
@@ -20,14 +25,62 @@ TEST(DescriptorKindTest, KnownNamesSayLengthAndMetric) {
   EXPECT_EQ(DescriptorKindFromName("sift_root_u8")->metric, DescriptorMetric::kL2U8);
   EXPECT_EQ(DescriptorKindFromName("binary48")->bytes, 48);
   EXPECT_EQ(DescriptorKindFromName("binary48")->metric, DescriptorMetric::kHamming);
+  EXPECT_EQ(DescriptorKindFromName("unit256")->bytes, 256);
+  EXPECT_EQ(DescriptorKindFromName("unit256")->metric, DescriptorMetric::kL2U8);
 }
 
 TEST(DescriptorKindTest, RefusesOthersAndSaysWhichAreKnown) {
   for (const char* name : {"", "surf", "binary", "binary0", "binary513", "binary-1", "binary48x",
-                           "binary99999999999999999999"}) {
+                           "binary99999999999999999999", "unit", "unit15", "unit513"}) {
     const auto kind = DescriptorKindFromName(name);
     ASSERT_FALSE(kind.ok()) << name;
     EXPECT_THAT(kind.status().message(), HasSubstr("sift_root_u8")) << name;
+  }
+}
+
+// By hand: (0.6, -0.8, 0, ...) / 1 is 128 + 153.6 and 128 - 204.8, cut at both ends.
+TEST(FromUnitVectorsTest, ScalesRoundsAndCuts) {
+  std::vector<float> rows(32, 0.0f);
+  rows[0] = 0.6f;
+  rows[1] = -0.8f;
+  std::fill(rows.begin() + 16, rows.end(), -3.0f);  // each a quarter of the length
+  const auto made = FromUnitVectors(rows, 16);
+  ASSERT_TRUE(made.ok()) << made.status().ToString();
+  EXPECT_EQ(made->kind.name, "unit16");
+  ASSERT_EQ(made->size(), 2);
+  EXPECT_EQ(made->row(0)[0], 255);
+  EXPECT_EQ(made->row(0)[1], 0);
+  EXPECT_EQ(made->row(0)[2], 128);
+  for (const std::uint8_t byte : made->row(1)) EXPECT_EQ(byte, 64);
+}
+
+TEST(FromUnitVectorsTest, RefusesWhatHasNoDirectionAndNamesItsRow) {
+  for (const float value : {0.0f, std::nanf(""), std::numeric_limits<float>::infinity()}) {
+    std::vector<float> rows(48, 1.0f);
+    std::fill(rows.begin() + 32, rows.end(), value);
+    EXPECT_THAT(FromUnitVectors(rows, 16).status().message(), HasSubstr("row 2 "));
+  }
+  EXPECT_THAT(FromUnitVectors(std::vector<float>(8, 1.0f), 8).status().message(),
+              HasSubstr("'unit8' is unknown"));
+}
+
+// The order of distances is what matching lives on: bytes keep those of the floats within 1%.
+TEST(FromUnitVectorsTest, KeepsTheDistancesOfTheFloats) {
+  Random random = testing::TestRandom();
+  SCOPED_TRACE(::testing::Message() << "seed " << testing::TestSeed());
+  for (const int elements : {64, 128, 256}) {
+    std::vector<float> rows;
+    for (int i = 0; i < 40 * elements; ++i) rows.push_back(static_cast<float>(random.Gaussian()));
+    const Descriptors bytes = FromUnitVectors(rows, elements).value();
+    EXPECT_TRUE(CheckScale(bytes, "made").ok());
+    for (int i = 1; i < 40; ++i) {
+      const Eigen::Map<const Eigen::VectorXf> a(rows.data(), elements);
+      const Eigen::Map<const Eigen::VectorXf> b(rows.data() + i * elements, elements);
+      const double want = 256.0 * (a.normalized() - b.normalized()).norm();
+      double squares = 0.0;
+      for (int k = 0; k < elements; ++k) squares += std::pow(bytes.row(0)[k] - bytes.row(i)[k], 2);
+      EXPECT_NEAR(std::sqrt(squares), want, 0.01 * want);
+    }
   }
 }
 
