@@ -13,9 +13,10 @@
 
 namespace maploc {
 
-// Points of `view` within `radius_px` of a landmark's projection under `camera_from_map`, each the
-// other's nearest in there, and as similar as nine tenths of the inliers among `known`. The
-// features and landmarks of `known` are left out. Ratios are 1 (not known). By ascending feature.
+// Points of `view` within `radius_px` of a landmark's projection under `camera_from_map`, as
+// similar as nine tenths of the inliers among `known`. A landmark goes to its nearest feature in
+// there, and a feature takes the nearest of those that come to it. The features and landmarks of
+// `known` are left out. Ratios are 1 (not known). By ascending feature.
 //
 // `known` are matches that were found without the pose; `known_inlier` says which agree with it
 // (not 0). What this adds agrees with the pose because it was looked for there: it makes a pose

@@ -254,7 +254,8 @@ Localization StartAnswer(const QueryContext& context, const MapSnapshot::Entry& 
 }
 
 Result<Localization> TryOnce(const QueryContext& context, const MapSnapshot::Entry& entry,
-                             const MatchedProblem& matched, int max_iterations, StageTimes& times) {
+                             const MatchedProblem& matched, int max_iterations, int& iterations,
+                             StageTimes& times) {
   const Localization start = StartAnswer(context, entry, matched);
   if (!CanDraw(matched.problem)) return start;
   const Strategy strategy =
@@ -265,7 +266,6 @@ Result<Localization> TryOnce(const QueryContext& context, const MapSnapshot::Ent
                         strategy,
                         /*fall_back=*/false,
                         max_iterations};
-  int iterations = 0;
   return TryStrategy(context, attempt, start, iterations, times);
 }
 

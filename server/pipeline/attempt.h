@@ -59,9 +59,10 @@ MatchedProblem MakeProblem(const QueryContext& context, const Segment& segment,
 Localization StartAnswer(const QueryContext& context, const MapSnapshot::Entry& entry,
                          const MatchedProblem& matched);
 
-// The first strategy alone, within `max_iterations`.
+// The first strategy alone, within `max_iterations`. `iterations` and `times` add up as above.
 Result<Localization> TryOnce(const QueryContext& context, const MapSnapshot::Entry& entry,
-                             const MatchedProblem& matched, int max_iterations, StageTimes& times);
+                             const MatchedProblem& matched, int max_iterations, int& iterations,
+                             StageTimes& times);
 
 // Refines and judges the pose of `known`, which is LOCALIZED, with all of `matched` instead of the
 // matches that it was found with. Strategy and iterations stay `known`'s.

@@ -17,10 +17,12 @@ namespace {
 constexpr int kSampledPoints = 300;
 // Fewer points are matched at once.
 constexpr std::size_t kWorthSampling = 1000;
-// Enough for every test of server/trust; of them three quarters by two standard deviations.
+// Enough for every test of server/trust. The share of inliers must be above three quarters by two
+// standard deviations.
 constexpr int kEnoughInliers = 60;
 constexpr double kShareSigmas = 2.0;
-// Three of four inliers are found within a few dozen draws of any strategy.
+// Three of four inlier points are found within a few dozen draws. (Of 1P1L only if lines agree,
+// too.)
 constexpr int kMaxIterations = 200;
 // Of the inlier threshold: a truer lens must find the matches that it would win.
 constexpr double kGuidedRadius = 1.5;
@@ -78,7 +80,7 @@ Localization WithEvidenceOfAll(Localization answer, std::size_t points) {
 
 Result<std::optional<Localization>> TryCoarseToFine(const QueryContext& context,
                                                     const MapSnapshot::Entry& entry,
-                                                    StageTimes& times) {
+                                                    int& iterations, StageTimes& times) {
   const std::size_t points = context.view().points.keypoints_px.size();
   if (points < kWorthSampling ||
       context.MaxErrorVgaPx() > kWidestThreshold * context.options.max_reprojection_error_px) {
@@ -87,7 +89,7 @@ Result<std::optional<Localization>> TryCoarseToFine(const QueryContext& context,
   const MatchedProblem sample = MatchSampled(context, *entry.segment, times);
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
   MAPLOC_ASSIGN_OR_RETURN(const Localization coarse,
-                          TryOnce(context, entry, sample, kMaxIterations, times));
+                          TryOnce(context, entry, sample, kMaxIterations, iterations, times));
   if (!IsSure(coarse)) return std::optional<Localization>();
 
   const MatchedProblem all = MatchGuided(context, *entry.segment, coarse, times);

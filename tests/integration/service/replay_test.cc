@@ -130,7 +130,9 @@ TEST_F(ReplayTest, ASessionThatCannotBeEndedIsToldToo) {
     if (answered == 8) front_.to_lose = 100;
   });
   EXPECT_EQ(report.status().code(), StatusCode::kUnavailable);
-  EXPECT_THAT(report.status().message(), HasSubstr(" --session " + OnlySession().id + "` ends it"));
+  EXPECT_THAT(report.status().message(),
+              HasSubstr("`maploc end-session --server " + front_.Address() + " --session " +
+                        OnlySession().id + "` ends it"));
 }
 
 }  // namespace

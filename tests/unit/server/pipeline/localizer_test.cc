@@ -286,7 +286,7 @@ TEST_F(LocalizerTest, WhatOnlyAWrongGravityHoldsIsNotAnswered) {
   // Here the wrong gravity's pose has enough inliers to be believed with it and too few without,
   // in one query of five; of those above, in one of a hundred.
   for (int i = 0; i < 80; ++i) ask({48, 52, 16, 0.0, 0.08, 0.1});
-  EXPECT_GE(inconsistent, 1);
+  EXPECT_GE(inconsistent, 5);
 }
 
 TEST_F(LocalizerTest, AnHonestGravityIsNotRejected) {
