@@ -93,7 +93,7 @@ TEST(SharedErrorRad, IsTheSameAtTheRimOfAFisheye) {
   const double pinhole = SharedErrorRad(seen_by_pinhole);
   const double rim =
       SharedErrorRad(MakeModel(30, 0.004, same, fisheye, 80.0 * std::numbers::pi / 180.0));
-  EXPECT_NEAR(StretchOfPlane(seen_by_pinhole) * rim, pinhole, 0.015 * pinhole);
+  EXPECT_NEAR(StretchOfPlane(seen_by_pinhole) * rim, pinhole, 0.05 * pinhole);
 }
 
 // As far away as UTM's coordinates go.
