@@ -50,6 +50,16 @@ std::size_t SegmentReferences::Lane::After(std::size_t index, std::size_t robot)
   return SkipOwn(index + 1, robot);
 }
 
+std::vector<double> SegmentReferences::Lane::Walk(std::size_t first, std::size_t robot,
+                                                  std::int64_t most) const {
+  std::vector<double> values;
+  for (std::size_t i = first; Has(i) && static_cast<std::int64_t>(values.size()) < most;
+       i = After(i, robot)) {
+    values.push_back(values_[i].value);
+  }
+  return values;
+}
+
 SegmentReferences::SegmentReferences(std::span<const TimedValue> values)
     : later_(values, false), earlier_(values, true) {}
 
@@ -73,6 +83,16 @@ std::vector<double> SegmentReferences::Nearest(std::int64_t start_unix_ns, std::
     }
   }
   return values;
+}
+
+std::vector<double> SegmentReferences::Earlier(std::int64_t start_unix_ns, std::size_t robot,
+                                               std::int64_t most) const {
+  return earlier_.Walk(earlier_.First(Mirror(start_unix_ns), false, robot), robot, most);
+}
+
+std::vector<double> SegmentReferences::Later(std::int64_t start_unix_ns, std::size_t robot,
+                                             std::int64_t most) const {
+  return later_.Walk(later_.First(start_unix_ns, true, robot), robot, most);
 }
 
 }  // namespace maploc

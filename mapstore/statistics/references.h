@@ -25,6 +25,10 @@ class SegmentReferences {
   // equally near ones the smallest first; at most `most`.
   std::vector<double> Nearest(std::int64_t start_unix_ns, std::size_t robot,
                               std::int64_t most) const;
+  // The same of the sessions that started earlier, and of those at `start_unix_ns` or later.
+  std::vector<double> Earlier(std::int64_t start_unix_ns, std::size_t robot,
+                              std::int64_t most) const;
+  std::vector<double> Later(std::int64_t start_unix_ns, std::size_t robot, std::int64_t most) const;
 
  private:
   // Values in the order in which they are met on the way from now into the future; for the past,
@@ -35,6 +39,7 @@ class SegmentReferences {
     // The first one at `time` (`inclusive`), or after it, of another robot than `robot`.
     std::size_t First(std::int64_t time, bool inclusive, std::size_t robot) const;
     std::size_t After(std::size_t index, std::size_t robot) const;
+    std::vector<double> Walk(std::size_t first, std::size_t robot, std::int64_t most) const;
     bool Has(std::size_t index) const { return index < values_.size(); }
     const TimedValue& At(std::size_t index) const { return values_[index]; }
 

@@ -87,10 +87,12 @@ struct FleetComparison {
 // In each segment a session's value is compared with the median of the nearest sessions of other
 // robots, because a changed map affects all robots. A session's difference is the median over its
 // segments (so one bad segment has no effect); a robot's difference is the median over its
-// sessions. Their scatter is robust too: 1.4826 times the median absolute deviation of sessions
-// from their robot's median. It is judged by Student's t, with a floor of a quarter of the smallest
-// relevant difference. Needs two robots with a segment in common; with only two the worse one is
-// flagged.
+// sessions. A session stands out only if it is worse than the nearest ones before it and than the
+// nearest ones after it: one that is no worse than what followed saw the map change. (The first
+// session after a change is flagged until another robot has followed.) The scatter is robust too:
+// the median difference between two sessions of one robot, divided by 0.954. It is judged by
+// Student's t, with a floor of a quarter of the smallest relevant difference. Needs two robots with
+// a segment in common; with only two the worse one is flagged.
 FleetComparison CompareRobots(std::span<const RobotSession> sessions,
                               const RobotComparisonOptions& options = {});
 

@@ -16,11 +16,17 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
+enum class Side { kBoth, kEarlier, kLater };
+
+bool IsOn(Side side, std::int64_t time, std::int64_t now) {
+  return side == Side::kBoth || (side == Side::kEarlier) == (time < now);
+}
+
 std::vector<double> ByDefinition(std::span<const TimedValue> all, const TimedValue& of,
-                                 std::size_t most) {
+                                 std::size_t most, Side side) {
   std::vector<std::pair<std::int64_t, double>> others;
   for (const TimedValue& other : all) {
-    if (other.robot == of.robot) continue;
+    if (other.robot == of.robot || !IsOn(side, other.start_unix_ns, of.start_unix_ns)) continue;
     others.emplace_back(std::abs(other.start_unix_ns - of.start_unix_ns), other.value);
   }
   std::sort(others.begin(), others.end());
@@ -52,10 +58,16 @@ TEST(SegmentReferences, AreThoseOfTheDefinition) {
     const std::vector<TimedValue> fleet = RandomFleet(random);
     const SegmentReferences references(fleet);
     const std::size_t most = random.Below(13);
+    const auto limit = static_cast<std::int64_t>(most);
+    SCOPED_TRACE(TestSeed(repetition));
     for (const TimedValue& of : fleet) {
-      ASSERT_EQ(references.Nearest(of.start_unix_ns, of.robot, static_cast<std::int64_t>(most)),
-                ByDefinition(fleet, of, most))
-          << TestSeed(repetition);
+      const std::int64_t now = of.start_unix_ns;
+      ASSERT_EQ(references.Nearest(now, of.robot, limit),
+                ByDefinition(fleet, of, most, Side::kBoth));
+      ASSERT_EQ(references.Earlier(now, of.robot, limit),
+                ByDefinition(fleet, of, most, Side::kEarlier));
+      ASSERT_EQ(references.Later(now, of.robot, limit),
+                ByDefinition(fleet, of, most, Side::kLater));
     }
   }
 }
@@ -67,6 +79,8 @@ TEST(SegmentReferences, ReachFromTheFirstMomentToTheLast) {
       std::vector<TimedValue>{{kFirst, 0.1, 0}, {kLast, 0.2, 1}, {0, 0.3, 2}});
   EXPECT_THAT(references.Nearest(kFirst, 0, 10), ElementsAre(0.3, 0.2));
   EXPECT_THAT(references.Nearest(kLast, 1, 10), ElementsAre(0.3, 0.1));
+  EXPECT_THAT(references.Earlier(kLast, 1, 10), ElementsAre(0.3, 0.1));
+  EXPECT_THAT(references.Later(kFirst, 0, 10), ElementsAre(0.3, 0.2));
 }
 
 TEST(SegmentReferences, NeedAnotherRobot) {

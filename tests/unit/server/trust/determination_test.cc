@@ -105,15 +105,25 @@ TEST(IsDetermined, TheSameFarFromTheMapsOrigin) {
   }
 }
 
+// One inlier is always left out. With gravity a pose has four unknowns, and one point has two
+// equations; without, it has six, and two points have four. (Two points and gravity may be enough:
+// they are where they lie far apart.)
 TEST(IsDetermined, TheInliersAloneCount) {
   Random random = TestRandom();
   Scene scene;
   scene.AddInliers(15, 0.5, 5.0, 2.0, random);
-  scene.pose().point_inliers.assign(15, 0);
-  EXPECT_FALSE(scene.IsDetermined()) << "no inliers";
-  scene.pose().point_inliers.assign({1, 1, 1});
-  scene.pose().point_inliers.resize(15, 0);
-  EXPECT_FALSE(scene.IsDetermined()) << "two of three determine nothing to trust";
+  const auto keep = [&](std::size_t inliers) {
+    scene.pose().point_inliers.assign(inliers, 1);
+    scene.pose().point_inliers.resize(15, 0);
+  };
+  ASSERT_TRUE(scene.IsDetermined()) << "else the others' loss shows nothing";
+  for (const std::size_t inliers : {0u, 1u, 2u}) {
+    keep(inliers);
+    EXPECT_FALSE(scene.IsDetermined()) << inliers << " inliers and gravity";
+  }
+  scene.problem().has_gravity = false;
+  keep(3);
+  EXPECT_FALSE(scene.IsDetermined()) << "three inliers without gravity";
 }
 
 TEST(IsDetermined, LinesOfManyDirectionsHelp) {
