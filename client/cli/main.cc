@@ -10,9 +10,6 @@
 namespace maploc {
 namespace {
 
-constexpr int kFailed = 1;
-constexpr int kWrongUsage = 2;
-
 // One line, cause and cure, whatever a server or a library put into the message.
 int Report(const Status& status) {
   if (status.ok()) return 0;
@@ -20,7 +17,7 @@ int Report(const Status& status) {
   if (status.code() == StatusCode::kDeadlineExceeded) line += "; --timeout SECONDS waits longer";
   std::ranges::replace(line, '\n', ' ');
   std::cerr << line << "\n";
-  return kFailed;
+  return kExitFailed;
 }
 
 // Failure is a value here; what is thrown all the same comes from below: no memory, a strange path.
@@ -46,7 +43,7 @@ int Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (app.exit(error, std::cout, std::cerr) != 0) return kWrongUsage;
+    if (app.exit(error, std::cout, std::cerr) != 0) return kExitWrongUsage;
     return Report(FlushStandardOutput());
   }
   return Report(Run(context));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -15,9 +14,6 @@ namespace {
 constexpr double kChiSquare2At95 = 5.991465;
 // So far outside its interval is one level map in ten thousand: sqrt(18.42 / 5.99).
 constexpr double kBeyondInterval = 1.75;
-constexpr double kSigmaOfMad = 1.4826;  // of a normal distribution
-// Of the median of n normal values, in variances of one, times n.
-constexpr double kMedianVariance = std::numbers::pi / 2.0;
 
 // By coordinate: robust against the queries whose pose is wrong.
 Eigen::Vector2d MedianTilt(const std::vector<Eigen::Vector2d>& tilts) {

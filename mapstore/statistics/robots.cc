@@ -14,9 +14,6 @@
 namespace maploc {
 namespace {
 
-constexpr double kSigmaOfMad = 1.4826;  // of a normal distribution
-// Variance of a median of n normal values, times n.
-constexpr double kMedianVariance = std::numbers::pi / 2.0;
 constexpr double kFloorOfConcern = 0.25;
 
 double Ratio(double part, double whole) { return part / whole; }

@@ -13,9 +13,6 @@
 
 namespace {
 
-constexpr int kFailed = 1;
-constexpr int kWrongUsage = 2;
-
 void AddCommands(CLI::App& app, maploc::CommandContext& context) {
 #ifdef MAPLOC_HAS_IMPORT_COLMAP
   maploc::AddImportColmap(app, context);
@@ -58,7 +55,7 @@ maploc::Status Run(const maploc::CommandContext& context) {
 int Report(const maploc::Status& status) {
   if (status.ok()) return 0;
   std::cerr << "maploc-map: " << OneLine(status.message()) << "\n";
-  return kFailed;
+  return maploc::kExitFailed;
 }
 
 }  // namespace
@@ -73,7 +70,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (app.exit(error) != 0) return kWrongUsage;
+    if (app.exit(error) != 0) return maploc::kExitWrongUsage;
     return Report(maploc::FlushStandardOutput());
   }
   return Report(Run(context));

@@ -14,9 +14,6 @@
 namespace maploc {
 namespace {
 
-// Cauchy's loss at this many sigmas: a true inlier hardly feels it, a wrong match inside of the
-// threshold does.
-constexpr double kLossScaleSigmas = 2.5;
 constexpr int kMaxSolverIterations = 20;
 constexpr double kFunctionTolerance = 1e-6;  // change of the sum of squares a residual, in sigmas^2
 // TinySolver does not take a step shorter than this share of the parameters, so that a pose some
