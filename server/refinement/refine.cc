@@ -32,6 +32,7 @@ double VarianceUnderLoss(double a) { return 1.0 + 8.0 / (std::pow(a, 4) + 16.0 *
 
 // The first round looks at no more than about so many: it only has to come near.
 constexpr int kCoarseFeatures = 200;
+constexpr int kMaxRounds = 4;  // of gathering inliers and refining, until the inliers stay
 
 // PoseResiduals as Ceres' solver of small dense problems wants them.
 template <int kParameters>
@@ -93,7 +94,7 @@ class Refiner {
   RefinedPose Run(Rigid3 pose) {
     RefinedPose refined;
     InlierFlags inliers = Inliers(pose);
-    for (int round = 0; round < options_.max_rounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       const bool coarse = round == 0 && inliers.count > kCoarseFeatures;
       if (inliers.count < MinFeatures(mode_)) break;
       if (!Solve(coarse ? Thinned(inliers, kCoarseFeatures) : inliers, &pose)) break;

@@ -10,6 +10,15 @@
 namespace maploc {
 namespace {
 
+// Features of the query that are matched with the shortlist, evenly spread over its order: as many
+// as kMaxPairs allows (features x rows of the place index), between these bounds. CountVotes
+// gets kMinFeatures.
+constexpr std::int64_t kMaxFeatures = 500;
+constexpr int kMinFeatures = 100;
+constexpr std::int64_t kMaxPairs = 2'000'000;
+// A segment farther from the prior (plus the segment's reach) is left out.
+constexpr double kMaxSigmas = 4.0;
+
 using Segments = std::span<const std::shared_ptr<const Segment>>;
 
 Descriptors EvenRows(const Descriptors& all, int max_rows) {
@@ -22,10 +31,9 @@ std::int64_t CountRows(const std::vector<int>& candidates, const PlaceIndex& pla
   return rows;
 }
 
-int FeatureBudget(std::int64_t rows, const RetrievalOptions& options) {
-  const std::int64_t affordable = options.max_pairs / std::max<std::int64_t>(rows, 1);
-  return static_cast<int>(
-      std::clamp<std::int64_t>(affordable, options.min_features, options.max_features));
+int FeatureBudget(std::int64_t rows) {
+  const std::int64_t affordable = kMaxPairs / std::max<std::int64_t>(rows, 1);
+  return static_cast<int>(std::clamp<std::int64_t>(affordable, kMinFeatures, kMaxFeatures));
 }
 
 struct Candidate {
@@ -34,12 +42,12 @@ struct Candidate {
 };
 
 std::vector<Candidate> NearPrior(const PosePrior& prior, Segments segments,
-                                 const PlaceIndex& places, double max_sigmas) {
+                                 const PlaceIndex& places) {
   std::vector<Candidate> near;
   for (int s = 0; s < static_cast<int>(segments.size()); ++s) {
     const std::vector<Eigen::Vector3d>& path = segments[s]->path_in_map;
     const double distance = path.empty() ? 0.0 : DistanceToPath(prior.position_in_map, path);
-    if (distance > max_sigmas * prior.sigma_m + places.ReachOf(s)) continue;
+    if (distance > kMaxSigmas * prior.sigma_m + places.ReachOf(s)) continue;
     near.push_back({s, distance / prior.sigma_m});
   }
   return near;
@@ -68,13 +76,12 @@ std::vector<int> RankByFeatures(const Descriptors& all_features, std::vector<int
                                 int segment_count, const PlaceIndex& places,
                                 const RetrievalOptions& options) {
   if (static_cast<int>(candidates.size()) > options.max_shortlist) {
-    const std::vector<int> votes = CountVotes(EvenRows(all_features, options.min_features), places,
-                                              segment_count, options.max_ratio);
+    const std::vector<int> votes =
+        CountVotes(EvenRows(all_features, kMinFeatures), places, segment_count, options.max_ratio);
     candidates = Best(std::move(candidates), options.max_shortlist, votes);
     std::sort(candidates.begin(), candidates.end());
   }
-  const Descriptors features =
-      EvenRows(all_features, FeatureBudget(CountRows(candidates, places), options));
+  const Descriptors features = EvenRows(all_features, FeatureBudget(CountRows(candidates, places)));
   std::vector<double> scores(segment_count, 0.0);
   for (const int s : candidates) {
     scores[s] = SegmentScore(features, places, s, options.max_ratio);
@@ -116,7 +123,7 @@ std::vector<int> RankSegments(const PointFeatures& features, const std::optional
   std::vector<int> candidates(segments.size());
   std::iota(candidates.begin(), candidates.end(), 0);
   if (prior) {
-    const std::vector<Candidate> near = NearPrior(*prior, segments, places, options.max_sigmas);
+    const std::vector<Candidate> near = NearPrior(*prior, segments, places);
     if (static_cast<int>(near.size()) <= options.max_segments) return BestByDistance(near);
     candidates.clear();
     for (const Candidate& candidate : near) candidates.push_back(candidate.segment);

@@ -134,7 +134,7 @@ TEST(LargePhotoTest, FeaturesAreBoundedAndInThePhotosOwnPixels) {
   EXPECT_GT(RightMost(points), 4000.0f);
   EXPECT_LT(TurnBias(points, DetectPoints(turned, orb, {1000})->keypoints_px).norm(), 0.1);
   const LineFeatures lines = *DetectLines(image);
-  EXPECT_LE(lines.size(), 1000);
+  EXPECT_LE(lines.size(), kMaxLines);
   EXPECT_GT(RightMost(lines.ends_px), 4000.0f);
   // LSD directs a line with its dark side, so that half a turn leaves starts starts.
   EXPECT_LT(TurnBias(lines.starts_px, DetectLines(turned)->starts_px).norm(), 0.2);
