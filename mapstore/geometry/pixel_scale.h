@@ -18,7 +18,4 @@ double PixelScale(const Camera& camera);
 
 inline constexpr double kVgaDiagonalPx = 800.0;
 
-// Up to so many pixels of its image a feature agrees with a pose: 4 of a VGA-sized image.
-inline constexpr double kInlierThresholdVgaPx = 4.0;
-
 }  // namespace maploc
