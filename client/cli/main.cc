@@ -1,5 +1,6 @@
 // maploc: the robot's side of map localization.
 #include <algorithm>
+#include <csignal>
 #include <exception>
 #include <iostream>
 
@@ -31,6 +32,8 @@ Status Run(const CommandContext& context) {
 }
 
 int Main(int argc, char** argv) {
+  // At a limit on the size of files a write fails, and that is told; the program is not ended.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app("maploc: localize a robot in a server's map, or replay a recorded one", "maploc");
   app.require_subcommand(1);
   AddUsage(app);

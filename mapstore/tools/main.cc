@@ -1,5 +1,6 @@
 // maploc-map: everything an operator does with a store. Contract: exit code 0 done, 1 failed (one
 // line on standard error), 2 wrong usage.
+#include <csignal>
 #include <exception>
 #include <iostream>
 
@@ -61,6 +62,8 @@ int Report(const maploc::Status& status) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // At a limit on the size of files a write fails, and that is told; the program is not ended.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app("Makes, inspects and looks after maploc's stores", "maploc-map");
   app.footer("Each command's --help has an example.");
   app.require_subcommand(1);

@@ -221,7 +221,8 @@ TEST_F(ReplaceTest, FullAndThenNoLonger) {
     const rlimit none{0, before.rlim_max};
     ASSERT_EQ(prlimit(server_.pid(), RLIMIT_FSIZE, &none, nullptr), 0);
   });
-  ExpectAllTold("STORE_IO");
+  ExpectAllTold("DISK_FULL");
+  EXPECT_THAT(robots_.front().refused.message(), HasSubstr("ulimit -f"));
   ASSERT_EQ(prlimit(server_.pid(), RLIMIT_FSIZE, &before, nullptr), 0);
   const Client client(address_);
   EXPECT_TRUE(WaitFor([&] { return client.StartSession("street", "rover", {}).ok(); }));
