@@ -11,10 +11,10 @@
 #include "client/cli/output.h"
 #include "client/cli/recording_flags.h"
 #include "client/robot/camera_file.h"
-#include "client/robot/photo_header.h"
 #include "mapstore/base/angles.h"
 #include "mapstore/base/table.h"
 #include "mapstore/features/features.h"
+#include "mapstore/features/photo_header.h"
 #include "mapstore/geometry/gravity_reading.h"
 
 namespace maploc {

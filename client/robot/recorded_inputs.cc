@@ -2,10 +2,10 @@
 #include <filesystem>
 
 #include "client/robot/missing.h"
-#include "client/robot/photo_header.h"
 #include "client/robot/recorded_robot.h"
 #include "mapstore/base/name.h"
 #include "mapstore/features/features.h"
+#include "mapstore/features/photo_header.h"
 
 namespace maploc {
 

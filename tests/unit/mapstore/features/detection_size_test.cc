@@ -47,6 +47,15 @@ TEST(DetectionSizeTest, KeepsTheShapeAndTheBound) {
   }
 }
 
+// A side that the detectors cannot take, though the pixels are few.
+TEST(DetectionSizeTest, ALongPanoramaIsReducedToTheLargestSide) {
+  EXPECT_EQ(DetectionSize({32768, 100}), (PixelSize{16384, 50}));
+  EXPECT_EQ(DetectionSize({100, 32768}), (PixelSize{50, 16384}));
+  EXPECT_EQ(DetectionPixel({32768, 100}), 2.0);
+  EXPECT_THAT(DescribeReduced(std::vector<PixelSize>{{32768, 100}}), HasSubstr("(32768x100 at"));
+  EXPECT_EQ(DetectionSize({65536, 65536}).width_px, 1959);
+}
+
 TEST(DetectionSizeTest, TellsHowManyPhotosFromWhichSizeToWhich) {
   EXPECT_EQ(DescribeReduced({}), "");
   const std::vector<PixelSize> photos = {{640, 480}, {4000, 3000}, {6000, 4000}};

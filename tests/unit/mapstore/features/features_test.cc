@@ -156,6 +156,19 @@ TEST(DetectTest, TinyThinAndEmptyImagesAreNoTrouble) {
   }
 }
 
+TEST(DetectTest, APanoramaOfAnyWidthIsReduced) {
+  const GrayImage image = MakeImage(testing::TestRandom(), 20000, 150, 300);
+  const PointFeatures points = *DetectPoints(image, *DescriptorKindFromName("orb"));
+  const LineFeatures lines = *DetectLines(image);
+  ASSERT_GT(points.keypoints_px.size(), 100u);
+  ASSERT_GT(lines.size(), 100);
+  const auto right = [](const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
+    return a.x() < b.x();
+  };
+  EXPECT_GT(std::ranges::max(points.keypoints_px, right).x(), 17000.0f);
+  EXPECT_GT(std::ranges::max(lines.ends_px, right).x(), 17000.0f);
+}
+
 TEST(DetectTest, RefusesWhatIsNoImageAndWhatItCannotExtract) {
   const GrayImage lying{100, 100, std::vector<std::uint8_t>(99)};
   EXPECT_EQ(DetectLines(lying).status().code(), StatusCode::kInvalidArgument);
