@@ -34,6 +34,10 @@ constexpr int kMaxReconnectMs = 2000;
 // busy server, or one behind a mobile network, needs its time.
 constexpr int kConnectMs = 5000;
 
+constexpr std::chrono::milliseconds kFirstBackoff(100);  // doubles an attempt
+// A server that asks for a longer wait is not waited for: its refusal is returned.
+constexpr std::chrono::milliseconds kLongestWait(2000);
+
 std::shared_ptr<grpc::Channel> MakeChannel(const std::string& server) {
   grpc::ChannelArguments arguments;
   // Else gRPC lets all clients of a process share one connection, and its flow control.
@@ -163,7 +167,7 @@ struct Client::Impl {
     if (status.ok()) return std::nullopt;
     if (const auto pushback = Pushback(context)) {
       const auto wait = std::max(*pushback, backoff);
-      return *pushback <= options.longest_wait ? std::optional(wait) : std::nullopt;
+      return *pushback <= kLongestWait ? std::optional(wait) : std::nullopt;
     }
     const bool again =
         repeat == Repeat::kSafe && status.error_code() == grpc::StatusCode::UNAVAILABLE;
@@ -175,7 +179,7 @@ struct Client::Impl {
   Status Call(Stub& stub,
               grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
               const Request& request, Response* response, Repeat repeat) const {
-    auto backoff = options.first_backoff;
+    auto backoff = kFirstBackoff;
     for (int attempt = 1;; ++attempt) {
       grpc::ClientContext context;
       context.set_deadline(std::chrono::system_clock::now() + options.call_timeout);

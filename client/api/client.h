@@ -26,9 +26,6 @@ namespace maploc {
 struct ClientOptions {
   std::chrono::milliseconds call_timeout{10000};  // of each attempt
   int max_attempts = 4;                           // of calls that are safe to repeat
-  std::chrono::milliseconds first_backoff{100};   // doubles an attempt
-  // A server that asks for a longer wait is not waited for: its refusal is returned.
-  std::chrono::milliseconds longest_wait{2000};
 };
 
 // What GetMap tells of a map.

@@ -11,9 +11,10 @@
 #include "client/cli/output.h"
 #include "client/cli/recording_flags.h"
 #include "client/robot/camera_file.h"
-#include "client/robot/photo_header.h"
+#include "mapstore/base/angles.h"
 #include "mapstore/base/table.h"
 #include "mapstore/features/features.h"
+#include "mapstore/features/photo_header.h"
 #include "mapstore/geometry/gravity_reading.h"
 
 namespace maploc {
@@ -123,7 +124,7 @@ std::string GravityText(const Localization& answer) {
   if (!WasCompared(evidence)) return "not compared";
   const bool contradicts =
       evidence.gravity_rejected || answer.outcome == Outcome::kGravityInconsistent;
-  return FormatNumber(evidence.gravity_disagreement_rad * (180.0 / std::numbers::pi), 2) +
+  return FormatNumber(evidence.gravity_disagreement_rad * kDegPerRad, 2) +
          " deg from the matches'" + (contradicts ? ": contradicts them" : "") +
          (evidence.gravity_rejected ? ", and was not used" : "");
 }
@@ -166,7 +167,7 @@ void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& o
     out << "position     " << pose.translation.transpose() << (map.metric ? " m" : " map units")
         << " (sigma " << sigma.head<3>().transpose() << ")\n"
         << "orientation  " << pose.rotation.coeffs().transpose() << " (x y z w, sigma "
-        << sigma.tail<3>().transpose() * (180.0 / std::numbers::pi) << " deg)\n";
+        << sigma.tail<3>().transpose() * kDegPerRad << " deg)\n";
   }
   Table table({"", "inliers", "matches"});
   const auto row = [&table](const char* name, const FeatureCounts& counts) {

@@ -1,5 +1,6 @@
 // maploc: the robot's side of map localization.
 #include <algorithm>
+#include <csignal>
 #include <exception>
 #include <iostream>
 
@@ -10,9 +11,6 @@
 namespace maploc {
 namespace {
 
-constexpr int kFailed = 1;
-constexpr int kWrongUsage = 2;
-
 // One line, cause and cure, whatever a server or a library put into the message.
 int Report(const Status& status) {
   if (status.ok()) return 0;
@@ -20,7 +18,7 @@ int Report(const Status& status) {
   if (status.code() == StatusCode::kDeadlineExceeded) line += "; --timeout SECONDS waits longer";
   std::ranges::replace(line, '\n', ' ');
   std::cerr << line << "\n";
-  return kFailed;
+  return kExitFailed;
 }
 
 // Failure is a value here; what is thrown all the same comes from below: no memory, a strange path.
@@ -34,6 +32,8 @@ Status Run(const CommandContext& context) {
 }
 
 int Main(int argc, char** argv) {
+  // At a limit on the size of files a write fails, and that is told; the program is not ended.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app("maploc: localize a robot in a server's map, or replay a recorded one", "maploc");
   app.require_subcommand(1);
   AddUsage(app);
@@ -46,7 +46,7 @@ int Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (app.exit(error, std::cout, std::cerr) != 0) return kWrongUsage;
+    if (app.exit(error, std::cout, std::cerr) != 0) return kExitWrongUsage;
     return Report(FlushStandardOutput());
   }
   return Report(Run(context));

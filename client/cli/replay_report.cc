@@ -1,9 +1,9 @@
 #include "client/cli/replay_report.h"
 
-#include <numbers>
 #include <ostream>
 
 #include "client/cli/output.h"
+#include "mapstore/base/angles.h"
 #include "mapstore/base/table.h"
 
 namespace maploc {
@@ -45,8 +45,7 @@ Json EntryJson(const ReplayEntry& entry) {
   json["latency_ms"] = entry.latency_ms;
   json["strategy_source"] = StrategySourceName(answer.strategy_source);
   json["fell_back"] = answer.evidence.fell_back;
-  json["gravity_disagreement_deg"] =
-      answer.evidence.gravity_disagreement_rad * (180.0 / std::numbers::pi);
+  json["gravity_disagreement_deg"] = answer.evidence.gravity_disagreement_rad * kDegPerRad;
   json["gravity_rejected"] = answer.evidence.gravity_rejected;
   json["inlier_rms_px"] = answer.evidence.inlier_rms_px;
   json["scene_depth"] = JsonOrNull(entry.scene_depth);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "client/robot/missing.h"
+#include "mapstore/base/angles.h"
 #include "mapstore/formats/colmap.h"
 #include "mapstore/geometry/gravity.h"
 #include "mapstore/geometry/gravity_reading.h"
@@ -12,7 +12,6 @@
 namespace maploc {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kCsvSigmaDeg = 1.0;  // of an ordinary IMU, moving
 
 // Zero is the reference's own direction.

@@ -1,11 +1,11 @@
 // What a recorded robot looks at before its first query.
 
 #include "client/robot/missing.h"
-#include "client/robot/photo_header.h"
 #include "client/robot/recorded_robot.h"
 #include "mapstore/base/name.h"
 #include "mapstore/base/path_kind.h"
 #include "mapstore/features/features.h"
+#include "mapstore/features/photo_header.h"
 
 namespace maploc {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "client/robot/metrics.h"
-#include "client/robot/photo_header.h"
 #include "client/robot/strongest.h"
 #include "mapstore/features/features.h"
+#include "mapstore/features/photo_header.h"
 
 namespace maploc {
 namespace {

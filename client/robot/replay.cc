@@ -6,6 +6,8 @@
 namespace maploc {
 namespace {
 
+constexpr double kPriorSigma = 5.0;  // in the map's unit: how far a robot may come between queries
+
 bool IsLate(const ReplayEntry& entry) {
   return entry.failure.code() == StatusCode::kDeadlineExceeded;
 }
@@ -51,7 +53,7 @@ class Runner {
  private:
   void Remember(const Eigen::Vector3d& position_in_map) {
     if (options_.prior == PriorMode::kPrevious) {
-      prior_ = PosePrior{position_in_map, options_.prior_sigma};
+      prior_ = PosePrior{position_in_map, kPriorSigma};
     }
   }
 

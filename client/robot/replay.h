@@ -27,7 +27,6 @@ struct ReplayOptions {
   Refinement refinement = Refinement::kAuto;
   std::optional<double> max_error_px;  // Query::max_error_px
   PriorMode prior = PriorMode::kNone;
-  double prior_sigma = 5.0;  // in the map's unit: how far a robot may come between two queries
   // Asked before each query; true ends the session early (CANCELLED). May be empty.
   std::function<bool()> stop;
   // A session that ends early counts, and its report is returned, with `failure`; else it is

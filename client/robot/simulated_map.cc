@@ -13,6 +13,9 @@ namespace maploc {
 namespace {
 
 constexpr std::int64_t kCameraId = 1;
+constexpr double kSpacingM = 1.5;       // between key frames
+constexpr int kMinTrack = 3;            // key frames that must have seen a landmark
+constexpr int kMaxLineDescriptors = 6;  // of a line, spread over its track
 
 struct LineObservation {
   std::int64_t image_id;
@@ -27,7 +30,7 @@ class MappingDrive {
   }
 
   void Drive() {
-    const int frames = static_cast<int>(world_.LaneLength() / options_.spacing_m);
+    const int frames = static_cast<int>(world_.LaneLength() / kSpacingM);
     for (int i = 0; i < frames; ++i) {
       AddKeyFrame(i, options_.start_m + i * world_.LaneLength() / frames);
     }
@@ -73,7 +76,7 @@ class MappingDrive {
 
   void AddPoints() {
     for (const auto& [landmark, track] : point_tracks_) {
-      if (static_cast<int>(track.size()) < options_.min_track) continue;
+      if (static_cast<int>(track.size()) < kMinTrack) continue;
       ColmapPoint point;
       point.id = landmark + 1;
       point.position_in_source =
@@ -90,13 +93,13 @@ class MappingDrive {
   void AddLines() {
     line_tracks_.descriptors.kind = *DescriptorKindFromName("lbd");
     for (const auto& [landmark, seen] : line_observations_) {
-      if (static_cast<int>(seen.size()) < options_.min_track) continue;
+      if (static_cast<int>(seen.size()) < kMinTrack) continue;
       const LineSegment3& segment = world_.lines[landmark].segment;
       const double sigma_m = options_.line_noise_m;
       LineTrack track{landmark, {segment.start + Noise(sigma_m), segment.end + Noise(sigma_m)}, {}};
       for (const LineObservation& observation : seen)
         track.image_ids.push_back(observation.image_id);
-      const int kept = std::min(static_cast<int>(seen.size()), options_.max_line_descriptors);
+      const int kept = std::min(static_cast<int>(seen.size()), kMaxLineDescriptors);
       for (int i = 0; i < kept; ++i) {
         const BinaryDescriptor& row = seen[i * seen.size() / kept].descriptor;
         auto& bytes = line_tracks_.descriptors.bytes;

@@ -10,11 +10,8 @@
 namespace maploc {
 
 struct MappingOptions {
-  double spacing_m = 1.5;          // between key frames
   double position_noise_m = 0.01;  // of mapped points, each axis
   double line_noise_m = 0.01;      // of the ends of mapped lines, each axis
-  int min_track = 3;               // key frames that must have seen a landmark
-  int max_line_descriptors = 6;    // of a line, spread over its track
   double start_m = -8.0;           // along the lane: the camera looks ahead
   // Within one drive nothing changes its look, so that tracks hold together.
   SightOptions sight{.clutter_points = 0, .clutter_lines = 0, .look_alikes = false};

@@ -2,14 +2,13 @@
 
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "client/robot/gravity_source.h"
+#include "mapstore/base/angles.h"
 
 namespace maploc {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kCameraYawRad = -40.0 * kRadPerDeg;  // to the right
 const Eigen::Vector3d kCameraInBody(0.2, 0.0, 1.2);
 

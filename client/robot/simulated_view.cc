@@ -8,6 +8,7 @@ namespace maploc {
 namespace {
 
 constexpr double kMinRangeM = 1.0;
+constexpr double kMaxRangeM = 20.0;
 constexpr double kNearPlaneM = 0.5;
 constexpr double kMinLinePx = 20.0;       // as the line detector has it
 constexpr double kMaxShareCut = 0.2;      // of a line's length, at each end
@@ -65,7 +66,7 @@ class Looker {
   // Near enough, on the front of its wall, and nothing in between.
   bool IsVisible(const Eigen::Vector3d& position, int own_wall) const {
     const double range_m = (position - centre_).norm();
-    if (range_m > options_.max_range_m || range_m < kMinRangeM) return false;
+    if (range_m > kMaxRangeM || range_m < kMinRangeM) return false;
     const Eigen::Vector2d from = centre_.head<2>();
     const Eigen::Vector2d to = position.head<2>();
     if (own_wall >= 0 && world_.walls[own_wall].normal.dot(from - to) <= 0.0) return false;

@@ -13,7 +13,6 @@
 namespace maploc {
 
 struct SightOptions {
-  double max_range_m = 20.0;
   double noise_px = 0.7;  // of keypoints, and of line ends across the line
   int clutter_points = 40;
   int clutter_lines = 8;

@@ -1,11 +1,18 @@
-// Medians of values that the caller gives away. Pure functions, linear in their number.
+// Medians of values that the caller gives away, and what they say of normal values. Pure functions,
+// linear in their number.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
+#include <numbers>
 #include <vector>
 
 namespace maploc {
+
+// Standard deviation of normal values, as a multiple of their median absolute deviation.
+inline constexpr double kSigmaOfMad = 1.4826;
+// Variance of the median of n normal values, times n, as a multiple of the variance of one.
+inline constexpr double kMedianVariance = std::numbers::pi / 2.0;
 
 // Of an even count the higher one of the middle two: always one of the values. REQUIRES: not empty.
 template <typename T>

@@ -7,6 +7,10 @@
 
 namespace maploc {
 
+// Exit codes: the job failed (also: an unusable file); the command line could not be parsed.
+inline constexpr int kExitFailed = 1;
+inline constexpr int kExitWrongUsage = 2;
+
 // --version, which prints the project's version, and WrongUsage for app.exit().
 void AddUsage(CLI::App& app);
 

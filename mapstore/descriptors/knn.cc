@@ -79,7 +79,7 @@ double RatioOf(const Neighbours& n, DescriptorMetric metric) {
 }
 
 bool PassesRatio(const Neighbours& n, DescriptorMetric metric, const MatchOptions& options) {
-  if (n.best < 0 || n.best_distance > options.max_distance) return false;
+  if (n.best < 0) return false;
   const bool alone = n.second_distance == UINT32_MAX;
   return alone || RatioOf(n, metric) <= static_cast<double>(options.max_ratio);
 }

@@ -15,7 +15,6 @@ namespace maploc {
 struct MatchOptions {
   float max_ratio = 0.8f;  // of distances (not squared): best <= max_ratio * second
   bool mutual = true;
-  std::uint32_t max_distance = UINT32_MAX;  // as Neighbours' distances
 };
 
 // For each row of `queries`. `row_landmark` maps database rows to landmarks (ascending). REQUIRES:

@@ -18,8 +18,8 @@ std::string Text(const PixelSize& size) {
 }  // namespace
 
 PixelSize DetectionSize(const PixelSize& photo) {
-  if (Pixels(photo) <= kMaxDetectionPixels) return photo;
   const double pixel = DetectionPixel(photo);
+  if (pixel == 1.0) return photo;
   const auto reduced = [pixel](int side) {
     return std::max(1, static_cast<int>(std::floor(side / pixel + 1e-9)));
   };
@@ -27,14 +27,17 @@ PixelSize DetectionSize(const PixelSize& photo) {
 }
 
 double DetectionPixel(const PixelSize& photo) {
-  return std::max(1.0, std::sqrt(static_cast<double>(Pixels(photo)) / kMaxDetectionPixels));
+  const double by_pixels = std::sqrt(static_cast<double>(Pixels(photo)) / kMaxDetectionPixels);
+  const double by_side =
+      static_cast<double>(std::max(photo.width_px, photo.height_px)) / kMaxDetectionSidePx;
+  return std::max({1.0, by_pixels, by_side});
 }
 
 std::string DescribeReduced(std::span<const PixelSize> photos) {
-  const auto is_large = [](const PixelSize& photo) { return Pixels(photo) > kMaxDetectionPixels; };
+  const auto is_large = [](const PixelSize& photo) { return DetectionPixel(photo) > 1.0; };
   const auto count = std::ranges::count_if(photos, is_large);
   if (count == 0) return "";
-  const PixelSize largest = *std::ranges::max_element(photos, {}, Pixels);
+  const PixelSize largest = *std::ranges::max_element(photos, {}, DetectionPixel);
   return std::to_string(count) + " of " + std::to_string(photos.size()) +
          (photos.size() == 1 ? " photo is" : " photos are") +
          " large: features are found at reduced size (" + Text(largest) + " at " +

@@ -9,6 +9,8 @@ namespace maploc {
 
 // As 2400 x 1600: a processor core then needs under 1 GB (MEASUREMENTS.md).
 inline constexpr int kMaxDetectionPixels = 3'840'000;
+// The detectors' own arithmetic overflows on sides beyond this: of a panorama.
+inline constexpr int kMaxDetectionSidePx = 16384;
 
 struct PixelSize {
   int width_px = 0;
@@ -16,7 +18,7 @@ struct PixelSize {
   bool operator==(const PixelSize&) const = default;
 };
 
-// The photo's own size up to kMaxDetectionPixels; else the one of the same shape that has no more.
+// The photo's own size within both bounds; else the largest one of the same shape that is.
 PixelSize DetectionSize(const PixelSize& photo);
 
 // Pixels of the photo to one at which its features are found, 1 or more: a feature's accuracy is

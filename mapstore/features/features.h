@@ -15,10 +15,10 @@ struct PointDetectionOptions {
   int max_features = 5000;  // the strongest are kept
 };
 
-struct LineDetectionOptions {
-  int max_features = 1000;      // the longest are kept
-  double min_length_px = 20.0;  // in pixels of the reduced image if the image is reduced
-};
+// Of line segments; the longest are kept.
+inline constexpr int kMaxLines = 1000;
+// In pixels of the reduced image if the image is reduced.
+inline constexpr double kMinLineLengthPx = 20.0;
 
 // The kind determines the detector: "orb" is ORB; "sift_root_u8" and "sift_u8" are SIFT.
 // UNIMPLEMENTED for other kinds (the detector of "binaryN" is not known). SIFT returns a keypoint
@@ -27,6 +27,6 @@ Result<PointFeatures> DetectPoints(const GrayImage& image, const DescriptorKind&
                                    const PointDetectionOptions& options = {});
 
 // LSD segments with LBD descriptors (kind "lbd"). Longest first.
-Result<LineFeatures> DetectLines(const GrayImage& image, const LineDetectionOptions& options = {});
+Result<LineFeatures> DetectLines(const GrayImage& image);
 
 }  // namespace maploc

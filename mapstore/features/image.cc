@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <optional>
 
 #include <opencv2/imgcodecs.hpp>
 
 #include "mapstore/base/path_kind.h"
 #include "mapstore/features/image_end.h"
+#include "mapstore/features/photo_header.h"
 
 namespace maploc {
 namespace {
@@ -48,6 +51,20 @@ void TakeUsedBits(const cv::Mat& wide, std::vector<std::uint8_t>& pixels) {
   }
 }
 
+// OpenCV decodes no more, and its own message names neither the picture's size nor a cure.
+Status CheckDecodedSize(const std::string& path) {
+  constexpr std::int64_t kMaxPixels = std::int64_t{1} << 30;
+  const std::optional<PhotoHeader> header = ReadPhotoHeader(path);
+  if (!header || std::int64_t{header->width_px} * header->height_px <= kMaxPixels) {
+    return Status::Ok();
+  }
+  return InvalidFile(path, "is " + std::to_string(header->width_px) + "x" +
+                               std::to_string(header->height_px) +
+                               " pixels, more than the 1,073,741,824 (2^30) that can be decoded; "
+                               "reduce it (ImageMagick: `convert -resize 50%`) and scale its "
+                               "camera alike");
+}
+
 cv::Mat Decode(const std::string& path) {
   const int flags = cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION;
   cv::Mat decoded = cv::imread(path, flags | cv::IMREAD_ANYDEPTH);
@@ -67,10 +84,12 @@ Status CheckWhole(const std::string& path) {
 Result<GrayImage> LoadGrayImage(const std::string& path) {
   if (!IsRegularFile(path)) return InvalidFile(path, "is not there");
   MAPLOC_RETURN_IF_ERROR(CheckEnd(path));
+  MAPLOC_RETURN_IF_ERROR(CheckDecodedSize(path));
   cv::Mat decoded;
   try {
     decoded = Decode(path);
-  } catch (const cv::Exception& error) {  // OpenCV's bound on an image's pixels
+  } catch (
+      const cv::Exception& error) {  // OpenCV's bound, in a format of which only it knows the size
     return InvalidFile(path, "cannot be decoded: " + error.err);
   }
   if (decoded.empty()) return InvalidFile(path, "is not an image that OpenCV can read");

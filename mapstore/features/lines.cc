@@ -17,7 +17,7 @@ float Length(const cv::Vec4f& s) { return std::hypot(s[2] - s[0], s[3] - s[1]); 
 // alone: an eighth of a pixel is missing (measured: README.md).
 constexpr float kLsdShiftPx = 0.125f;
 
-std::vector<cv::Vec4f> DetectSegments(const cv::Mat& image, const LineDetectionOptions& options) {
+std::vector<cv::Vec4f> DetectSegments(const cv::Mat& image) {
   std::vector<cv::Vec4f> segments;
   cv::createLineSegmentDetector(cv::LSD_REFINE_STD)->detect(image, segments);
   const auto limit_x = static_cast<float>(image.cols - 1);
@@ -26,13 +26,11 @@ std::vector<cv::Vec4f> DetectSegments(const cv::Mat& image, const LineDetectionO
     for (int i = 0; i < 4; ++i)
       s[i] = std::clamp(s[i] + kLsdShiftPx, 0.0f, i % 2 == 0 ? limit_x : limit_y);
   }
-  const auto min_length = static_cast<float>(options.min_length_px);
-  std::erase_if(segments, [&](const cv::Vec4f& s) { return !(Length(s) >= min_length); });
+  constexpr auto kMinLength = static_cast<float>(kMinLineLengthPx);
+  std::erase_if(segments, [](const cv::Vec4f& s) { return !(Length(s) >= kMinLength); });
   std::stable_sort(segments.begin(), segments.end(),
                    [](const cv::Vec4f& a, const cv::Vec4f& b) { return Length(a) > Length(b); });
-  if (segments.size() > static_cast<std::size_t>(options.max_features)) {
-    segments.resize(static_cast<std::size_t>(options.max_features));
-  }
+  if (segments.size() > std::size_t{kMaxLines}) segments.resize(kMaxLines);
   return segments;
 }
 
@@ -76,16 +74,14 @@ LineFeatures Describe(const cv::Mat& image, const std::vector<cv::Vec4f>& segmen
 
 }  // namespace
 
-Result<LineFeatures> DetectLines(const GrayImage& image, const LineDetectionOptions& options) {
+Result<LineFeatures> DetectLines(const GrayImage& image) {
   MAPLOC_ASSIGN_OR_RETURN(const ReducedPhoto photo, ReduceForDetection(image));
-  if (options.max_features < 1) return InvalidArgument("max_features", "must be positive");
-  if (!(options.min_length_px >= 1)) return InvalidArgument("min_length_px", "must be at least 1");
   MAPLOC_ASSIGN_OR_RETURN(const DescriptorKind kind, DescriptorKindFromName("lbd"));
   LineFeatures none;
   none.descriptors.kind = kind;
   if (std::min(photo.pixels.cols, photo.pixels.rows) < kMinDetectionSidePx) return none;
   try {
-    const std::vector<cv::Vec4f> segments = DetectSegments(photo.pixels, options);
+    const std::vector<cv::Vec4f> segments = DetectSegments(photo.pixels);
     if (segments.empty()) return none;
     LineFeatures lines = Describe(photo.pixels, segments, kind);
     photo.ToPhoto(lines.starts_px);

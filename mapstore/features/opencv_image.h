@@ -8,17 +8,14 @@
 
 namespace maploc {
 
-// The detectors' own arithmetic overflows on sides beyond this.
-inline constexpr int kMaxDetectionSidePx = 16384;
 // Below this a detector finds nothing: neither a descriptor's surroundings nor a line fit.
 inline constexpr int kMinDetectionSidePx = 32;
 
 // Shares the pixels: the view must not outlive `image` and must not be written to. Error:
-// INVALID_ARGUMENT when sides and pixels disagree or a side is beyond kMaxDetectionSidePx.
+// INVALID_ARGUMENT when sides and pixels disagree.
 inline Result<cv::Mat> ViewAsMat(const GrayImage& image) {
-  const auto bad_side = [](int side) { return side < 1 || side > kMaxDetectionSidePx; };
-  if (bad_side(image.width_px) || bad_side(image.height_px)) {
-    return InvalidArgument("image", "its sides must be in [1, 16384] pixels");
+  if (image.width_px < 1 || image.height_px < 1) {
+    return InvalidArgument("image", "its sides must be at least 1 pixel");
   }
   const std::size_t expected = static_cast<std::size_t>(image.width_px) * image.height_px;
   if (image.pixels.size() != expected) {

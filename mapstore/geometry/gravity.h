@@ -8,7 +8,7 @@ namespace maploc {
 
 inline const Eigen::Vector3d kGravityInMap(0.0, 0.0, -1.0);
 
-// The shortest rotation `camera_from_aligned` (design.md: R_ca) with R * (0, 0, -1) =
+// The shortest rotation `camera_from_aligned` with R * (0, 0, -1) =
 // gravity_in_camera. Well defined for every unit vector: for gravity along +z it is a half turn
 // about x. In the aligned frame only yaw and translation are unknown. REQUIRES: |gravity_in_camera|
 // = 1 within 1e-6.

@@ -26,8 +26,8 @@ inline double TiltFromVertical(const LineSegment3& line_in_map) {
   return std::atan2(d.head<2>().norm(), std::abs(d.z()));
 }
 
-// 1P1L draws lines of at least this tilt alone: a vertical line says nothing about yaw with a point
-// (design.md section 5).
+// 1P1L draws lines of at least this tilt alone: a vertical line with a point does not determine
+// the yaw (server/solvers/README.md).
 inline constexpr double kMinUsableTiltRad = 10.0 * 3.14159265358979323846 / 180.0;
 
 inline bool IsUsableLine(const LineSegment3& line_in_map) {

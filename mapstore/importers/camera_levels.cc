@@ -8,23 +8,23 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "mapstore/base/angles.h"
 #include "mapstore/base/median.h"
 #include "mapstore/base/random.h"
 
 namespace maploc {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // A photo further off level than this was held otherwise (portrait, on the side).
-constexpr double kMaxOffLevelRad = 10 * kDegree;
+constexpr double kMaxOffLevelRad = 10 * kRadPerDeg;
 // What photos share: hands and mounts are level to a degree or two.
-constexpr double kSharedSigmaRad = 1.5 * kDegree;
+constexpr double kSharedSigmaRad = 1.5 * kRadPerDeg;
 // People look about level; weak, for it is all that there is about one-sided photos' tilt.
-constexpr double kPitchHabitSigmaRad = 25 * kDegree;
+constexpr double kPitchHabitSigmaRad = 25 * kRadPerDeg;
 // Photos of one hand are held alike, so that they count as half as many; and no set was seen whose
 // own scatter below a degree was to be believed (MEASUREMENTS.md: levels against verticals).
 constexpr double kLikeness = 2.0;
-constexpr double kLeastOffLevelRad = 1.0 * kDegree;
+constexpr double kLeastOffLevelRad = 1.0 * kRadPerDeg;
 constexpr double kTukey = 4.685;  // 95% efficient for normal noise
 constexpr int kPairs = 500;
 
@@ -166,7 +166,7 @@ CameraLevels FitCameraLevels(std::span<const Eigen::Quaterniond> camera_from_sou
   CameraLevels levels;
   levels.down_in_source = Fit(axes);
   levels.looks_around = !AreParallel(axes.x);
-  const double steepest = std::cos(70 * kDegree);
+  const double steepest = std::cos(70 * kRadPerDeg);
   const auto upright = std::count_if(axes.y.begin(), axes.y.end(), [&](const Eigen::Vector3d& y) {
     return y.dot(levels.down_in_source.direction) > steepest;
   });

@@ -23,6 +23,7 @@ namespace {
 
 constexpr double kAttachDistancePx = 1.0;  // of the photo as its features were found
 constexpr const char* kDefaultKind = "sift_root_u8";
+constexpr int kMaxDescriptors = 8;  // that a landmark keeps, the most different ones (README.md)
 
 Status CheckOptions(const ColmapImportOptions& options) {
   if (options.map_name.empty()) return InvalidArgument("map name", "is empty");
@@ -97,13 +98,13 @@ class Importer {
       lines_ = std::move(imported.lines);
       report_.info.line_descriptor = imported.kind;
     } else if (options_.detect_lines && !looks_.lines.empty()) {
-      lines_ = TriangulateLines(frames_, looks_.lines, FindFrameNeighbours(frames_, points_), {},
-                                progress_);
+      lines_ =
+          TriangulateLines(frames_, looks_.lines, FindFrameNeighbours(frames_, points_), progress_);
       if (!lines_.empty()) report_.info.line_descriptor = looks_.lines.front().descriptors.kind;
     }
     for (LineTrackInMap& line : lines_) {
       const DescriptorKind& kind = report_.info.line_descriptor;
-      line.descriptors = SelectDescriptors(kind, line.descriptors, options_.max_descriptors);
+      line.descriptors = SelectDescriptors(kind, line.descriptors, kMaxDescriptors);
       report_.line_descriptors += static_cast<std::int64_t>(line.descriptors.size()) / kind.bytes;
       report_.usable_lines += IsUsableLine(line.segment_in_map) ? 1 : 0;
     }
@@ -199,8 +200,8 @@ class Importer {
       if (of_frame.descriptors.size() == 0) continue;
       report_.info.point_descriptor = of_frame.descriptors.kind;
     }
-    points_ = MakePointTracks(model_, report_.info.map_from_source, frames_, features,
-                              options_.max_descriptors);
+    points_ =
+        MakePointTracks(model_, report_.info.map_from_source, frames_, features, kMaxDescriptors);
     report_.points_without_descriptor =
         static_cast<std::int64_t>(model_.points.size() - points_.size());
     return Status::Ok();
@@ -244,11 +245,11 @@ class Importer {
     MAPLOC_ASSIGN_OR_RETURN(report_.info.point_descriptor, PhotoKind());
     MAPLOC_ASSIGN_OR_RETURN(const std::vector<PointFeatures> detected,
                             DetectInPhotos(report_.info.point_descriptor));
-    points_ = TriangulatePoints(frames_, detected, FindFrameNeighbours(frames_, ModelPoints()), {},
+    points_ = TriangulatePoints(frames_, detected, FindFrameNeighbours(frames_, ModelPoints()),
                                 progress_);
     for (PointTrack& point : points_) {
-      point.descriptors = SelectDescriptors(report_.info.point_descriptor, point.descriptors,
-                                            options_.max_descriptors);
+      point.descriptors =
+          SelectDescriptors(report_.info.point_descriptor, point.descriptors, kMaxDescriptors);
     }
     return Status::Ok();
   }

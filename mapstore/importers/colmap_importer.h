@@ -29,7 +29,6 @@ struct ColmapImportOptions {
   std::string line_file;                      // maploc-lines text; replaces the detection
   std::optional<DescriptorKind> descriptors;  // none: the database's, or sift_root_u8
   bool triangulate = false;  // points anew from the photos' features, not the model's
-  int max_descriptors = 8;   // that a landmark keeps, the most different ones (README.md)
 };
 
 struct ColmapImportReport {

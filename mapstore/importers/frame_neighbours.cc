@@ -9,10 +9,14 @@
 namespace maploc {
 namespace {
 
+// A shared point seen under this parallax (4 degrees) counts fully.
+constexpr double kFullAngleRad = 0.07;
+// Between the optical axes, where there are no points: wider apart, photos share little.
+constexpr double kMaxViewAngleRad = 1.0;
+
 using Scores = std::vector<std::map<int, double>>;  // by frame, then by other frame
 
-Scores ScoreBySharedPoints(std::span<const KeyFrame> frames, std::span<const PointTrack> points,
-                           double full_angle_rad) {
+Scores ScoreBySharedPoints(std::span<const KeyFrame> frames, std::span<const PointTrack> points) {
   Scores scores(frames.size());
   for (const PointTrack& point : points) {
     std::vector<Eigen::Vector3d> rays;
@@ -22,7 +26,7 @@ Scores ScoreBySharedPoints(std::span<const KeyFrame> frames, std::span<const Poi
     }
     for (std::size_t a = 0; a < rays.size(); ++a) {
       for (std::size_t b = a + 1; b < rays.size(); ++b) {
-        const double weight = std::min(AngleBetween(rays[a], rays[b]) / full_angle_rad, 1.0);
+        const double weight = std::min(AngleBetween(rays[a], rays[b]) / kFullAngleRad, 1.0);
         scores[static_cast<std::size_t>(point.frames[a])][point.frames[b]] += weight;
         scores[static_cast<std::size_t>(point.frames[b])][point.frames[a]] += weight;
       }
@@ -31,7 +35,7 @@ Scores ScoreBySharedPoints(std::span<const KeyFrame> frames, std::span<const Poi
   return scores;
 }
 
-Scores ScoreByPoses(std::span<const KeyFrame> frames, double max_view_angle_rad) {
+Scores ScoreByPoses(std::span<const KeyFrame> frames) {
   Scores scores(frames.size());
   const auto axis = [&](std::size_t i) -> Eigen::Vector3d {
     return frames[i].camera_from_map.rotation.conjugate() * Eigen::Vector3d::UnitZ();
@@ -40,7 +44,7 @@ Scores ScoreByPoses(std::span<const KeyFrame> frames, double max_view_angle_rad)
     for (std::size_t b = 0; b < frames.size(); ++b) {
       const double distance = (frames[a].CenterInMap() - frames[b].CenterInMap()).norm();
       if (a == b || !(distance > 1e-9)) continue;
-      if (AngleBetween(axis(a), axis(b)) <= max_view_angle_rad) {
+      if (AngleBetween(axis(a), axis(b)) <= kMaxViewAngleRad) {
         scores[a][static_cast<int>(b)] = 1.0 / distance;
       }
     }
@@ -63,14 +67,11 @@ std::vector<int> Best(const std::map<int, double>& scores, int count) {
 }  // namespace
 
 std::vector<std::vector<int>> FindFrameNeighbours(std::span<const KeyFrame> frames,
-                                                  std::span<const PointTrack> points,
-                                                  const NeighbourOptions& options) {
-  const Scores scores = points.empty()
-                            ? ScoreByPoses(frames, options.max_view_angle_rad)
-                            : ScoreBySharedPoints(frames, points, options.full_angle_rad);
+                                                  std::span<const PointTrack> points) {
+  const Scores scores = points.empty() ? ScoreByPoses(frames) : ScoreBySharedPoints(frames, points);
   std::vector<std::vector<int>> neighbours;
   for (const auto& of_frame : scores) {
-    neighbours.push_back(Best(of_frame, options.max_neighbours));
+    neighbours.push_back(Best(of_frame, kMaxNeighbours));
   }
   for (std::size_t a = 0; a < neighbours.size(); ++a) {
     const std::vector<int> of_a = neighbours[a];

@@ -9,18 +9,13 @@
 
 namespace maploc {
 
-struct NeighbourOptions {
-  int max_neighbours = 10;       // of one frame
-  double full_angle_rad = 0.07;  // a shared point seen under this parallax (4 degrees) counts fully
-  double max_view_angle_rad = 1.0;  // between optical axes, where there are no points
-};
+inline constexpr int kMaxNeighbours = 10;
 
 // For each frame its neighbours, best first. With points: by the number of points shared, each
 // weighted by its parallax. Without: by the distance of the centres, among frames that look in
 // similar directions and do not stand in the same place. Symmetric: b is among a's whenever a is
-// among b's (so a frame may have more than max_neighbours).
+// among b's (so a frame may have more than kMaxNeighbours).
 std::vector<std::vector<int>> FindFrameNeighbours(std::span<const KeyFrame> frames,
-                                                  std::span<const PointTrack> points,
-                                                  const NeighbourOptions& options = {});
+                                                  std::span<const PointTrack> points);
 
 }  // namespace maploc

@@ -7,6 +7,10 @@
 namespace maploc {
 namespace {
 
+constexpr int kMaxCandidates = 10;  // of one segment in one neighbouring frame
+// Between a ray and the other view's plane (1.5 degrees): below, the depth is not determined.
+constexpr double kMinPlaneAngleRad = 0.026;
+
 // The baseline architecture has no popcount instruction, and the compiler's stand-in looks up a
 // table a byte; this counts in the word (Warren, Hacker's Delight, 5-1).
 int CountBits(std::uint64_t x) {
@@ -41,25 +45,24 @@ int LineViews::DescriptorDistance(LineRef a, LineRef b) const {
   return distance;
 }
 
-std::vector<LineCandidate> FindLineCandidates(const LineViews& views, LineRef line, int other_frame,
-                                              const LineTriangulationOptions& options) {
+std::vector<LineCandidate> FindLineCandidates(const LineViews& views, LineRef line,
+                                              int other_frame) {
   std::vector<std::pair<int, LineRef>> near;
   for (std::int32_t m = 0; m < views.LineCount(other_frame); ++m) {
     const LineRef other{other_frame, m};
     const int distance = views.DescriptorDistance(line, other);
-    if (distance <= options.max_descriptor_distance) near.emplace_back(distance, other);
+    if (distance <= kMaxDescriptorDistance) near.emplace_back(distance, other);
   }
   std::sort(near.begin(), near.end());
   const LineObservation seen = views.Observation(line);
   std::vector<LineCandidate> candidates;
   for (const auto& [distance, other] : near) {
-    if (static_cast<int>(candidates.size()) == options.max_candidates) break;
+    if (static_cast<int>(candidates.size()) == kMaxCandidates) break;
     const LineObservation other_seen = views.Observation(other);
     const std::optional<LineSegment3> line_in_map =
-        IntersectPlanes(seen, other_seen, options.min_plane_angle_rad);
+        IntersectPlanes(seen, other_seen, kMinPlaneAngleRad);
     // The error is 0 by construction; what is asked is the overlap along the line.
-    if (line_in_map &&
-        ShowsLine(other_seen, *line_in_map, options.max_vote_error_px, options.min_overlap)) {
+    if (line_in_map && ShowsLine(other_seen, *line_in_map, kMaxVoteErrorPx, kMinOverlap)) {
       candidates.push_back({other, distance, *line_in_map});
     }
   }

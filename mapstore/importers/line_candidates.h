@@ -11,6 +11,12 @@
 
 namespace maploc {
 
+// Bounds of a view of a line. Pixels are those of the photos as their features were found
+// (KeyFrame::FeaturePixel).
+inline constexpr int kMaxDescriptorDistance = 70;  // bits of 256 between views of one line
+inline constexpr double kMinOverlap = 0.4;         // of the shorter of two segments
+inline constexpr double kMaxVoteErrorPx = 2.5;     // of a view that votes for a proposal
+
 // One segment of one frame.
 struct LineRef {
   std::int32_t frame = 0;
@@ -30,7 +36,6 @@ class LineViews {
   // REQUIRES: descriptors of 32 bytes. The arguments outlive this.
   LineViews(std::span<const KeyFrame> frames, std::span<const FrameLines> lines);
 
-  int FrameCount() const { return static_cast<int>(frames_.size()); }
   int LineCount(int frame) const { return static_cast<int>(Lines(frame).normalized.size()); }
   const Rigid3& CameraFromMap(int frame) const { return Frame(frame).camera_from_map; }
   double FocalLengthPx(int frame) const { return focal_px_[static_cast<std::size_t>(frame)]; }
@@ -61,8 +66,8 @@ class LineViews {
   std::vector<std::vector<Words>> words_;
 };
 
-// The nearest by descriptor first, at most options.max_candidates of the frame `other_frame`.
-std::vector<LineCandidate> FindLineCandidates(const LineViews& views, LineRef line, int other_frame,
-                                              const LineTriangulationOptions& options);
+// The nearest by descriptor first, at most ten of the frame `other_frame`.
+std::vector<LineCandidate> FindLineCandidates(const LineViews& views, LineRef line,
+                                              int other_frame);
 
 }  // namespace maploc

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -14,19 +13,9 @@ using Vector2 = Eigen::Vector2d;
 using Vector3 = Eigen::Vector3d;
 using Matrix34 = Eigen::Matrix<double, 3, 4>;
 
-constexpr double kHuge = std::numeric_limits<double>::max();
 constexpr double kHuberPx = 1.0;
 
 Vector3 Homogeneous(const Vector2& p) { return {p.x(), p.y(), 1.0}; }
-
-// The projection of the infinite line as (a, b, c) with a^2 + b^2 = 1; nullopt for a line through
-// the camera's centre or one that projects to infinity.
-std::optional<Vector3> ProjectLine(const Rigid3& camera_from_map, const LineSegment3& line) {
-  const Vector3 n = (camera_from_map * line.start).cross(camera_from_map * line.end);
-  const double norm = n.head<2>().norm();
-  if (!(norm > 1e-12 * n.norm()) || !(n.norm() > 0)) return std::nullopt;
-  return Vector3(n / norm);
-}
 
 // The residual of one end point and its derivative by the four parameters.
 struct Equation {
@@ -144,13 +133,6 @@ std::optional<LineSegment3> IntersectPlanes(const LineObservation& a, const Line
       end_in_b.head<2>() / end_in_b.z() - start_in_b.head<2>() / start_in_b.z();
   if (!(direction.dot(b.normalized.end - b.normalized.start) > 0)) return std::nullopt;
   return LineSegment3{*start, *end};
-}
-
-double LineErrorPx(const LineObservation& seen, const LineSegment3& line_in_map) {
-  const std::optional<Vector3> line = ProjectLine(seen.camera_from_map, line_in_map);
-  if (!line) return kHuge;
-  return seen.focal_length_px * std::max(std::abs(line->dot(Homogeneous(seen.normalized.start))),
-                                         std::abs(line->dot(Homogeneous(seen.normalized.end))));
 }
 
 std::optional<LineSegment2> ProjectSegment(const Rigid3& camera_from_map,

@@ -24,10 +24,6 @@ struct LineObservation {
 std::optional<LineSegment3> IntersectPlanes(const LineObservation& a, const LineObservation& b,
                                             double min_angle_rad);
 
-// The largest distance in pixels between an end point of the seen segment and the infinite
-// projected line; huge when the line cannot be seen there.
-double LineErrorPx(const LineObservation& seen, const LineSegment3& line_in_map);
-
 // The line's two ends in the frame; nullopt when one is not in front of the camera.
 std::optional<LineSegment2> ProjectSegment(const Rigid3& camera_from_map,
                                            const LineSegment3& line_in_map);

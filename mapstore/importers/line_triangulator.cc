@@ -12,6 +12,11 @@
 namespace maploc {
 namespace {
 
+constexpr int kMinFrames = 3;        // that show a landmark: two planes always meet in a line
+constexpr double kMaxErrorPx = 2.0;  // of a view that a landmark keeps
+constexpr double kMaxRelativeSigma =
+    0.01;  // uncertainty across the line at 1 px of noise, over depth
+
 // A line with the segments that show it; ascending by (frame, line).
 struct Hypothesis {
   LineSegment3 line_in_map;
@@ -34,20 +39,19 @@ int CountFrames(const std::vector<LineRef>& views) {
 
 class Triangulator {
  public:
-  Triangulator(const LineViews& views, const LineTriangulationOptions& options)
-      : views_(views), options_(options) {}
+  explicit Triangulator(const LineViews& views) : views_(views) {}
 
   // Steps 1 and 2 for one segment; nullopt when too few frames show its line.
   std::optional<Hypothesis> Propose(LineRef line, const std::vector<int>& neighbours) const {
     std::vector<std::vector<LineCandidate>> candidates;
     for (const int other : neighbours) {
-      candidates.push_back(FindLineCandidates(views_, line, other, options_));
+      candidates.push_back(FindLineCandidates(views_, line, other));
     }
     std::optional<Hypothesis> best;
     for (const auto& of_frame : candidates) {
       for (const LineCandidate& proposal : of_frame) {
         Hypothesis hypothesis = Vote(line, proposal, candidates);
-        if (hypothesis.frames < options_.min_frames) continue;
+        if (hypothesis.frames < kMinFrames) continue;
         if (!best || hypothesis.IsBetterThan(*best)) best = std::move(hypothesis);
       }
     }
@@ -87,7 +91,7 @@ class Triangulator {
     for (const LineRef& view : hypothesis.views) {
       depth = std::min(depth, (views_.CameraFromMap(view.frame) * middle).z());
     }
-    return sigma_m <= options_.max_relative_sigma * depth;
+    return sigma_m <= kMaxRelativeSigma * depth;
   }
 
  private:
@@ -100,10 +104,9 @@ class Triangulator {
       const std::optional<LineSegment2> projected =
           ProjectSegment(views_.CameraFromMap(frame), proposal.line_in_map);
       if (!projected) continue;
-      const double max_error = options_.max_vote_error_px / views_.FocalLengthPx(frame);
+      const double max_error = kMaxVoteErrorPx / views_.FocalLengthPx(frame);
       for (const LineCandidate& voter : of_frame) {  // the nearest descriptor that agrees
-        if (!SegmentsAgree(views_.Normalized(voter.other), *projected, max_error,
-                           options_.min_overlap)) {
+        if (!SegmentsAgree(views_.Normalized(voter.other), *projected, max_error, kMinOverlap)) {
           continue;
         }
         hypothesis.views.push_back(voter.other);
@@ -121,15 +124,14 @@ class Triangulator {
     constexpr int kMaxRounds = 3;
     for (int round = 0; round < kMaxRounds; ++round) {
       hypothesis.frames = CountFrames(hypothesis.views);
-      if (hypothesis.frames < options_.min_frames) return false;
+      if (hypothesis.frames < kMinFrames) return false;
       std::vector<LineObservation> seen;
       for (const LineRef& view : hypothesis.views) seen.push_back(views_.Observation(view));
       const std::optional<RefinedLine> refined = RefineLine(seen, hypothesis.line_in_map);
       if (!refined) return false;
       hypothesis.line_in_map = refined->segment_in_map;
       const auto is_bad = [&](const LineRef& view) {
-        return !ShowsLine(views_.Observation(view), hypothesis.line_in_map, options_.max_error_px,
-                          0.0);
+        return !ShowsLine(views_.Observation(view), hypothesis.line_in_map, kMaxErrorPx, 0.0);
       };
       if (std::erase_if(hypothesis.views, is_bad) == 0) {
         return IsWellConditioned(hypothesis, refined->sigma_m);
@@ -140,17 +142,15 @@ class Triangulator {
 
   bool Shows(LineRef ref, const LineSegment2& projected, const Hypothesis& hypothesis) const {
     if (!SegmentsAgree(views_.Normalized(ref), projected,
-                       options_.max_error_px / views_.FocalLengthPx(ref.frame),
-                       options_.min_overlap)) {
+                       kMaxErrorPx / views_.FocalLengthPx(ref.frame), kMinOverlap)) {
       return false;
     }
     return std::any_of(hypothesis.views.begin(), hypothesis.views.end(), [&](const LineRef& view) {
-      return views_.DescriptorDistance(ref, view) <= options_.max_descriptor_distance;
+      return views_.DescriptorDistance(ref, view) <= kMaxDescriptorDistance;
     });
   }
 
   const LineViews& views_;
-  LineTriangulationOptions options_;
 };
 
 std::vector<Hypothesis> ProposeAll(const LineViews& views, const Triangulator& triangulator,
@@ -197,10 +197,9 @@ LineTrackInMap MakeTrack(const LineViews& views, const Hypothesis& hypothesis) {
 std::vector<LineTrackInMap> TriangulateLines(std::span<const KeyFrame> frames,
                                              std::span<const FrameLines> lines,
                                              std::span<const std::vector<int>> neighbours,
-                                             const LineTriangulationOptions& options,
                                              const ProgressFn& progress) {
   const LineViews views(frames, lines);
-  const Triangulator triangulator(views, options);
+  const Triangulator triangulator(views);
   std::vector<std::vector<char>> taken;
   for (const FrameLines& of_frame : lines) taken.emplace_back(of_frame.normalized.size(), 0);
   const auto is_taken = [&](const LineRef& view) -> char& {
@@ -209,7 +208,7 @@ std::vector<LineTrackInMap> TriangulateLines(std::span<const KeyFrame> frames,
   std::vector<LineTrackInMap> tracks;
   for (Hypothesis& hypothesis : ProposeAll(views, triangulator, neighbours, progress)) {
     std::erase_if(hypothesis.views, [&](const LineRef& view) { return is_taken(view) != 0; });
-    if (CountFrames(hypothesis.views) < options.min_frames) continue;
+    if (CountFrames(hypothesis.views) < kMinFrames) continue;
     if (!triangulator.Extend(hypothesis, neighbours, taken)) continue;
     for (const LineRef& view : hypothesis.views) is_taken(view) = 1;
     tracks.push_back(MakeTrack(views, hypothesis));

@@ -25,23 +25,10 @@ struct FrameLines {
   Descriptors descriptors;  // one row a segment; Hamming
 };
 
-// Pixels are those of the photos as their features were found (KeyFrame::FeaturePixel).
-struct LineTriangulationOptions {
-  int max_candidates = 10;             // of one segment in one neighbouring frame
-  int max_descriptor_distance = 70;    // bits of 256 between views of one line
-  double min_plane_angle_rad = 0.026;  // between a ray and the other view's plane (1.5 degrees)
-  double min_overlap = 0.4;            // of the shorter of two segments
-  double max_vote_error_px = 2.5;      // of a view that votes
-  double max_error_px = 2.0;           // of a view that a landmark keeps
-  int min_frames = 3;                  // that show a landmark
-  double max_relative_sigma = 0.01;    // uncertainty across the line at 1 px of noise, over depth
-};
-
 // REQUIRES: lines and neighbours have one entry a frame.
 std::vector<LineTrackInMap> TriangulateLines(std::span<const KeyFrame> frames,
                                              std::span<const FrameLines> lines,
                                              std::span<const std::vector<int>> neighbours,
-                                             const LineTriangulationOptions& options = {},
                                              const ProgressFn& progress = nullptr);
 
 }  // namespace maploc

@@ -2,25 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <Eigen/Geometry>
 
+#include "mapstore/base/angles.h"
 #include "mapstore/base/median.h"
 #include "mapstore/geometry/gravity.h"
 
 namespace maploc {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // A phone or drone that moves is some degrees off; further away it measured something else.
-constexpr double kMaxOffRad = 15 * kDegree;
+constexpr double kMaxOffRad = 15 * kRadPerDeg;
 constexpr double kMinShare = 0.7;
 // Neighbouring photos are taken in one motion, so that they count as half as many.
 constexpr double kLikeness = 2.0;
 // A mount's and an accelerometer's constant error, where photos do not look all around.
-constexpr double kSharedSigmaRad = 0.2 * kDegree;
+constexpr double kSharedSigmaRad = 0.2 * kRadPerDeg;
 
 // The measurement with the smallest summed distance to the others, each counted to kMaxOffRad.
 Eigen::Vector3d FindMedoid(std::span<const Eigen::Vector3d> directions) {
@@ -50,7 +49,7 @@ std::vector<Eigen::Vector3d> KeepAgreeing(std::span<const Eigen::Vector3d> direc
     const double distance = AngleBetween(direction, medoid);
     if (distance <= kMaxOffRad) distances.push_back(distance);
   }
-  const double reach = std::clamp(3.0 * Median(distances), 1.0 * kDegree, kMaxOffRad);
+  const double reach = std::clamp(3.0 * Median(distances), 1.0 * kRadPerDeg, kMaxOffRad);
   std::vector<Eigen::Vector3d> kept;
   for (const Eigen::Vector3d& direction : directions) {
     if (AngleBetween(direction, medoid) <= reach) kept.push_back(direction);

@@ -1,8 +1,8 @@
 #include "mapstore/importers/photo_gravity.h"
 
-#include <numbers>
 #include <optional>
 
+#include "mapstore/base/angles.h"
 #include "mapstore/geometry/gravity.h"
 #include "mapstore/importers/camera_levels.h"
 #include "mapstore/importers/gravity_text.h"
@@ -12,11 +12,10 @@
 namespace maploc {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // One in ten thousand sound sets: then the lines are not vertical, or the photos not level.
 constexpr double kMaxDistance2 = 18.42;
 // An estimate that is vaguer says nothing about a direction from elsewhere.
-constexpr double kMaxWitnessInterval = 15 * kDegree;
+constexpr double kMaxWitnessInterval = 15 * kRadPerDeg;
 
 void AddLines(const GravityEvidence& evidence, const CameraLevels& levels, PhotoGravity& gravity) {
   if (evidence.lines.empty()) return;

@@ -12,6 +12,14 @@
 namespace maploc {
 namespace {
 
+// Pixels are those of the photos as their features were found (KeyFrame::FeaturePixel).
+constexpr double kMaxEpipolarErrorPx = 3.0;
+constexpr double kMaxErrorPx = 2.0;  // of an observation that a point keeps
+// Largest parallax of a point's rays (1.5 degrees). A point that only two frames saw has no third
+// view that would contradict a wrong match: it needs more (4 degrees).
+constexpr double kMinAngleRad = 0.026;
+constexpr double kMinTwoViewAngleRad = 0.07;
+
 struct FeatureRef {
   std::int32_t frame = 0;
   std::int32_t feature = 0;
@@ -48,9 +56,8 @@ double EpipolarErrorPx(const Rigid3& b_from_a, const Eigen::Vector2d& in_a,
 
 class Triangulator {
  public:
-  Triangulator(std::span<const KeyFrame> frames, std::span<const PointFeatures> features,
-               const PointTriangulationOptions& options)
-      : frames_(frames), features_(features), options_(options) {
+  Triangulator(std::span<const KeyFrame> frames, std::span<const PointFeatures> features)
+      : frames_(frames), features_(features) {
     for (std::size_t i = 0; i < frames.size(); ++i) {
       rays_.push_back(Undistort(frames[i], features[i]));
     }
@@ -61,18 +68,16 @@ class Triangulator {
     const auto ib = static_cast<std::size_t>(b);
     std::vector<std::int32_t> rows(features_[ib].keypoints_px.size());
     std::iota(rows.begin(), rows.end(), 0);
-    MatchOptions match;
-    match.max_ratio = options_.max_ratio;
     const Rigid3 b_from_a = frames_[ib].camera_from_map * frames_[ia].camera_from_map.Inverse();
     std::vector<Edge> edges;
     for (const FeatureMatch& m :
-         MatchDescriptors(features_[ia].descriptors, features_[ib].descriptors, rows, match)) {
+         MatchDescriptors(features_[ia].descriptors, features_[ib].descriptors, rows)) {
       const auto& ray_a = rays_[ia][static_cast<std::size_t>(m.feature)];
       const auto& ray_b = rays_[ib][static_cast<std::size_t>(m.landmark)];
       if (!ray_a || !ray_b) continue;
       const double error =
           EpipolarErrorPx(b_from_a, *ray_a, *ray_b, frames_[ib].FocalLengthInFeaturePixels());
-      if (error <= options_.max_epipolar_error_px) {
+      if (error <= kMaxEpipolarErrorPx) {
         edges.push_back({m.ratio, {a, m.feature}, {b, m.landmark}});
       }
     }
@@ -88,7 +93,7 @@ class Triangulator {
       if (!point) return std::nullopt;
       std::vector<FeatureRef> kept;
       for (std::size_t i = 0; i < members.size(); ++i) {
-        if (PointErrorPx(views[i], *point) <= options_.max_error_px) kept.push_back(members[i]);
+        if (PointErrorPx(views[i], *point) <= kMaxErrorPx) kept.push_back(members[i]);
       }
       if (kept.size() == members.size()) return Accept(*point, views, members);
       members = std::move(kept);
@@ -112,8 +117,7 @@ class Triangulator {
   std::optional<PointTrack> Accept(const Eigen::Vector3d& point,
                                    const std::vector<PointObservation>& views,
                                    const std::vector<FeatureRef>& members) const {
-    const double min_angle =
-        members.size() == 2 ? options_.min_two_view_angle_rad : options_.min_angle_rad;
+    const double min_angle = members.size() == 2 ? kMinTwoViewAngleRad : kMinAngleRad;
     if (!(LargestParallax(views, point) >= min_angle)) return std::nullopt;
     PointTrack track{point, {}, {}};
     for (const FeatureRef& ref : members) {
@@ -126,7 +130,6 @@ class Triangulator {
 
   std::span<const KeyFrame> frames_;
   std::span<const PointFeatures> features_;
-  PointTriangulationOptions options_;
   std::vector<FrameRays> rays_;
 };
 
@@ -197,9 +200,8 @@ std::vector<Edge> MatchAll(const Triangulator& triangulator,
 std::vector<PointTrack> TriangulatePoints(std::span<const KeyFrame> frames,
                                           std::span<const PointFeatures> features,
                                           std::span<const std::vector<int>> neighbours,
-                                          const PointTriangulationOptions& options,
                                           const ProgressFn& progress) {
-  const Triangulator triangulator(frames, features, options);
+  const Triangulator triangulator(frames, features);
   TrackBuilder builder;
   for (const Edge& edge : MatchAll(triangulator, neighbours, progress)) builder.Join(edge);
   std::vector<PointTrack> points;

@@ -12,6 +12,9 @@
 namespace maploc {
 namespace {
 
+constexpr double kOverlap = 0.25;     // of a stretch's length, added at each end
+constexpr int kMinOverlapFrames = 2;  // added at each end, however far apart
+
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
 std::string_view TakeDigits(std::string_view& text) {
@@ -136,8 +139,7 @@ double DefaultSegmentLength(std::span<const KeyFrame> frames, std::span<const Po
 }
 
 std::vector<std::vector<int>> CutPath(std::span<const KeyFrame> frames,
-                                      const std::vector<int>& order, double length,
-                                      const SegmenterOptions& options) {
+                                      const std::vector<int>& order, double length) {
   const std::vector<Eigen::Vector3d> centers = Centers(frames);
   std::vector<double> distance;  // along the path, one a place in `order`
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -160,9 +162,9 @@ std::vector<std::vector<int>> CutPath(std::span<const KeyFrame> frames,
     };
     int last = first;
     while (last < last_place && stretch_of(last + 1) == stretch_of(first)) ++last;
-    const double margin = options.overlap * stretch;
-    int from = std::max(0, first - options.min_overlap_frames);
-    int to = std::min(last_place, last + options.min_overlap_frames);
+    const double margin = kOverlap * stretch;
+    int from = std::max(0, first - kMinOverlapFrames);
+    int to = std::min(last_place, last + kMinOverlapFrames);
     const auto at = [&](int place) { return distance[static_cast<std::size_t>(place)]; };
     while (from > 0 && at(first) - at(from - 1) <= margin) --from;
     while (to < last_place && at(to + 1) - at(last) <= margin) ++to;

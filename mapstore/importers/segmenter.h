@@ -11,12 +11,6 @@
 
 namespace maploc {
 
-struct SegmenterOptions {
-  std::optional<double> length;  // of a stretch, map units; default: DefaultSegmentLength
-  double overlap = 0.25;         // of a stretch's length, added at each end
-  int min_overlap_frames = 2;    // added at each end, however far apart
-};
-
 // The frames in the order in which the robot passed them. By name, numbers in names by their value
 // ("img2" before "img10"), as recorders name them; but where that path is more than twice as long
 // as the one that always goes to the nearest frame left (unordered photos), by the latter, from the
@@ -28,10 +22,10 @@ std::vector<int> OrderAlongPath(std::span<const KeyFrame> frames);
 double DefaultSegmentLength(std::span<const KeyFrame> frames, std::span<const PointTrack> points);
 
 // The frames of each segment, in the path's order. Every frame is in at least one; segments that
-// follow each other share frames (while there are more than one).
+// follow each other share frames (while there are more than one): at each end a quarter of a
+// stretch's length is added, and two frames at least. `length` is of a stretch, in map units.
 std::vector<std::vector<int>> CutPath(std::span<const KeyFrame> frames,
-                                      const std::vector<int>& order, double length,
-                                      const SegmenterOptions& options = {});
+                                      const std::vector<int>& order, double length);
 
 // A segment with all landmarks that one of its frames saw. Ids are the tracks' indices.
 Segment MakeSegment(SegmentId id, const std::vector<int>& segment_frames,

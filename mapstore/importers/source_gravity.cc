@@ -1,8 +1,8 @@
 #include "mapstore/importers/source_gravity.h"
 
 #include <algorithm>
-#include <numbers>
 
+#include "mapstore/base/angles.h"
 #include "mapstore/geometry/gravity.h"
 #include "mapstore/importers/gravity_text.h"
 #include "mapstore/importers/measured_gravity.h"
@@ -11,10 +11,9 @@
 namespace maploc {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // Two that tell gravity and are further apart than this and twice the vaguer one's interval are not
 // of one world: fronts lean by a degree or two, photographers by three.
-constexpr double kBeyondDoubtRad = 5 * kDegree;
+constexpr double kBeyondDoubtRad = 5 * kRadPerDeg;
 // Within the interval 19 of 20 are; half as far again is worth a word.
 constexpr double kWorthAWord = 1.5;
 

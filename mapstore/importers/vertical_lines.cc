@@ -2,35 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <Eigen/Cholesky>
 
+#include "mapstore/base/angles.h"
 #include "mapstore/base/random.h"
 
 namespace maploc {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::size_t kLongestSegments = 300;  // of a photo: short ones have no direction
 constexpr int kHypotheses = 3000;
 // How far a segment's direction may be off the vanishing point's, in the search and in the fit.
-constexpr double kMaxOffRad = 1.0 * kDegree;
+constexpr double kMaxOffRad = 1.0 * kRadPerDeg;
 // Nearer to the vanishing point any direction fits.
 constexpr double kMinSineFromVertical = 0.3;
 // Where to look: within four standard deviations of the levels, and within 45 degrees, beyond which
 // a line that is called vertical lies.
 constexpr double kSearchSigmas2 = 16.0;
-constexpr double kMaxFromLevels = 45 * kDegree;
+constexpr double kMaxFromLevels = 45 * kRadPerDeg;
 constexpr int kMinVerticalsInPhoto = 5;
 constexpr int kMinPhotos = 3;
 // Another family, more than 5 degrees away, with over 60% of the votes: which is vertical is a
 // guess.
-constexpr double kOtherFamily = 5 * kDegree;
+constexpr double kOtherFamily = 5 * kRadPerDeg;
 constexpr double kMaxRivalShare = 0.6;
 // Masonry and lenses: verticals of real fronts agree with gravity to this (MEASUREMENTS.md).
-constexpr double kVerticalSigmaRad = 0.2 * kDegree;
+constexpr double kVerticalSigmaRad = 0.2 * kRadPerDeg;
 
 struct PlaneNormal {
   Eigen::Vector3d normal;  // in source, unit

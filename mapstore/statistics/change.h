@@ -1,4 +1,4 @@
-// When did a segment change, and in what? (design.md section 6)
+// When did a segment change, and in what? (README.md, "Change" and "Since when")
 #pragma once
 
 #include <array>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
@@ -12,12 +11,19 @@
 namespace maploc {
 namespace {
 
+// Fewer queries of a robot do not count: one pose may be wrong.
+constexpr std::int64_t kMinQueries = 5;
+// A single robot may be mounted askew, so this many robots are needed.
+constexpr std::int64_t kMinRobots = 2;
+// Standard deviation of the robots' independent mounting errors (0.5 degrees). The scatter of few
+// robots is not taken to be below it and what their queries' scatter leaves in their medians.
+constexpr double kRobotSigmaRad = 0.0087;
+// A smaller lean (1 degree) is ignored, however certain.
+constexpr double kMinLeanRad = 0.0175;
+
 constexpr double kChiSquare2At95 = 5.991465;
 // So far outside its interval is one level map in ten thousand: sqrt(18.42 / 5.99).
 constexpr double kBeyondInterval = 1.75;
-constexpr double kSigmaOfMad = 1.4826;  // of a normal distribution
-// Of the median of n normal values, in variances of one, times n.
-constexpr double kMedianVariance = std::numbers::pi / 2.0;
 
 // By coordinate: robust against the queries whose pose is wrong.
 Eigen::Vector2d MedianTilt(const std::vector<Eigen::Vector2d>& tilts) {
@@ -55,13 +61,13 @@ double RobotVariance(std::span<const Eigen::Vector2d> tilts, const Eigen::Vector
 
 }  // namespace
 
-Lean FindLean(std::span<const RobotTilts> robots, const LeanOptions& options) {
+Lean FindLean(std::span<const RobotTilts> robots) {
   Lean lean;
   std::vector<Eigen::Vector2d> tilts;
   double noise = 0.0;  // sum of the medians' variances
   for (const RobotTilts& robot : robots) {
     const auto queries = static_cast<std::int64_t>(robot.tilts_rad.size());
-    if (queries == 0 || queries < options.min_queries) continue;
+    if (queries < kMinQueries) continue;
     tilts.push_back(MedianTilt(robot.tilts_rad));
     noise += VarianceOfMedian(robot.tilts_rad, tilts.back());
     lean.queries += queries;
@@ -70,14 +76,14 @@ Lean FindLean(std::span<const RobotTilts> robots, const LeanOptions& options) {
   if (tilts.empty()) return lean;
   const auto count = static_cast<double>(tilts.size());
   for (const Eigen::Vector2d& tilt : tilts) lean.tilt_rad += tilt / count;
-  const double mounting = options.robot_sigma_rad * options.robot_sigma_rad;
+  const double mounting = kRobotSigmaRad * kRobotSigmaRad;
   const double variance = RobotVariance(tilts, lean.tilt_rad, mounting + noise / count);
   lean.interval_rad = std::sqrt(kChiSquare2At95 * variance / count);
   const double angle = lean.tilt_rad.norm();
   const bool all_agree = std::all_of(tilts.begin(), tilts.end(), [&](const Eigen::Vector2d& tilt) {
     return (tilt - lean.tilt_rad).norm() < tilt.norm();
   });
-  lean.leans = lean.robots >= options.min_robots && angle > options.min_lean_rad &&
+  lean.leans = lean.robots >= kMinRobots && angle > kMinLeanRad &&
                angle > kBeyondInterval * lean.interval_rad && all_agree;
   return lean;
 }

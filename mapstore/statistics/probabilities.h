@@ -1,5 +1,5 @@
-// How probably one draw of each strategy is all inliers, and one iteration succeeds (paper section
-// IV, design.md section 6; the drawing is server/ransac/sampler.h's).
+// How probably one draw of each strategy is all inliers, and one iteration succeeds (the paper's
+// section IV; README.md, "Draw and iteration"; server/ransac/sampler.h draws).
 #pragma once
 
 #include "mapstore/model/strategy.h"

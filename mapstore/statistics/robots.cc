@@ -14,9 +14,18 @@
 namespace maploc {
 namespace {
 
-constexpr double kSigmaOfMad = 1.4826;  // of a normal distribution
-// Variance of a median of n normal values, times n.
-constexpr double kMedianVariance = std::numbers::pi / 2.0;
+// Probability that a fleet without a fault has any robot (or, separately, any session) flagged:
+// shared out among all tests made (Bonferroni).
+constexpr double kFalseAlarm = 0.01;
+// A session says something about a segment from this many queries on (localized ones, for ratios).
+constexpr std::int64_t kMinQueries = 3;
+// Sessions of other robots that a session is compared with, in each segment: the nearest in time.
+constexpr std::int64_t kMaxReferences = 10;
+// Smaller differences are ignored, however certain.
+constexpr double kMinGravityRad = 0.0175;  // 1 degree
+constexpr double kMinRatio = 0.1;
+constexpr double kMinSuccess = 0.2;
+
 constexpr double kFloorOfConcern = 0.25;
 
 double Ratio(double part, double whole) { return part / whole; }
@@ -73,14 +82,14 @@ std::optional<double> ValueOf(RobotMetric metric, std::span<const Observation* c
   return std::nullopt;
 }
 
-double ConcernOf(RobotMetric metric, const RobotComparisonOptions& options) {
+double ConcernOf(RobotMetric metric) {
   switch (metric) {
     case RobotMetric::kGravity:
-      return options.min_gravity_rad;
+      return kMinGravityRad;
     case RobotMetric::kSuccess:
-      return options.min_success;
+      return kMinSuccess;
     default:
-      return options.min_ratio;
+      return kMinRatio;
   }
 }
 
@@ -107,8 +116,7 @@ struct Difference {
 
 using SegmentValues = std::map<SegmentId, std::vector<Value>>;
 
-SegmentValues ValuesOf(RobotMetric metric, std::span<const RobotSession> sessions,
-                       const RobotComparisonOptions& options) {
+SegmentValues ValuesOf(RobotMetric metric, std::span<const RobotSession> sessions) {
   SegmentValues values;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     std::map<SegmentId, std::vector<const Observation*>> seen;
@@ -116,7 +124,7 @@ SegmentValues ValuesOf(RobotMetric metric, std::span<const RobotSession> session
       if (o.segment >= 0) seen[o.segment].push_back(&o);
     }
     for (const auto& [segment, observations] : seen) {
-      const auto value = ValueOf(metric, observations, options.min_queries);
+      const auto value = ValueOf(metric, observations, kMinQueries);
       if (value) values[segment].push_back({i, *value, static_cast<double>(observations.size())});
     }
   }
@@ -176,9 +184,8 @@ double ChanceOf(double share, double count) {
 // One session's value in a segment; nullopt: no other robot was there. Where the map has changed,
 // the nearest sessions are from before and from after the change, and their median is neither.
 std::optional<Difference> DifferenceIn(RobotMetric metric, const Value& value, std::int64_t time,
-                                       std::size_t robot, const SegmentReferences& references,
-                                       std::int64_t most) {
-  std::vector<double> others = references.Nearest(time, robot, most);
+                                       std::size_t robot, const SegmentReferences& references) {
+  std::vector<double> others = references.Nearest(time, robot, kMaxReferences);
   if (others.empty()) return std::nullopt;
   Difference difference;
   difference.own = value.value;
@@ -186,7 +193,8 @@ std::optional<Difference> DifferenceIn(RobotMetric metric, const Value& value, s
   difference.others = Median(std::move(others));
   difference.worse_by = WorseBy(metric, value.value, difference.others);
   difference.surely_worse_by = difference.worse_by;
-  for (auto side : {references.Earlier(time, robot, most), references.Later(time, robot, most)}) {
+  for (auto side : {references.Earlier(time, robot, kMaxReferences),
+                    references.Later(time, robot, kMaxReferences)}) {
     if (side.empty()) continue;
     const double worse_by = WorseBy(metric, value.value, Median(std::move(side)));
     difference.surely_worse_by = std::min(difference.surely_worse_by, worse_by);
@@ -199,16 +207,14 @@ std::optional<Difference> DifferenceIn(RobotMetric metric, const Value& value, s
 
 // By session; sessions that share no segment with another robot are left out.
 std::map<std::size_t, Difference> SessionDifferences(RobotMetric metric,
-                                                     std::span<const RobotSession> sessions,
-                                                     const RobotComparisonOptions& options) {
+                                                     std::span<const RobotSession> sessions) {
   std::map<std::size_t, std::vector<Difference>> by_session;
   const std::vector<std::size_t> robots = NumberRobots(sessions);
-  for (const auto& [segment, values] : ValuesOf(metric, sessions, options)) {
+  for (const auto& [segment, values] : ValuesOf(metric, sessions)) {
     const SegmentReferences references = ReferencesIn(values, sessions, robots);
     for (const Value& value : values) {
-      const auto difference =
-          DifferenceIn(metric, value, sessions[value.session].start_unix_ns, robots[value.session],
-                       references, options.max_references);
+      const auto difference = DifferenceIn(metric, value, sessions[value.session].start_unix_ns,
+                                           robots[value.session], references);
       if (difference) by_session[value.session].push_back(*difference);
     }
   }
@@ -299,14 +305,13 @@ FleetComparison CountSessions(std::span<const RobotSession> sessions) {
   return fleet;
 }
 
-void CompareIn(RobotMetric metric, std::span<const RobotSession> sessions,
-               const RobotComparisonOptions& options, FleetComparison& fleet) {
-  const double concern = ConcernOf(metric, options);
-  const auto differences = SessionDifferences(metric, sessions, options);
+void CompareIn(RobotMetric metric, std::span<const RobotSession> sessions, FleetComparison& fleet) {
+  const double concern = ConcernOf(metric);
+  const auto differences = SessionDifferences(metric, sessions);
   std::map<std::string, std::vector<Difference>> by_robot;
   for (const auto& [session, d] : differences) by_robot[sessions[session].robot].push_back(d);
   const Scatter scatter = ScatterOf(by_robot, concern);
-  const double share = options.false_alarm / static_cast<double>(kRobotMetrics.size());
+  const double share = kFalseAlarm / static_cast<double>(kRobotMetrics.size());
   for (const auto& [session, d] : differences) {
     Difference sure = d;
     sure.worse_by = d.surely_worse_by;
@@ -347,11 +352,10 @@ bool RobotComparison::CalibrationIsOff() const {
 
 bool RobotComparison::GravityIsOff() const { return AreMost(gravity_rejected, queries); }
 
-FleetComparison CompareRobots(std::span<const RobotSession> sessions,
-                              const RobotComparisonOptions& options) {
+FleetComparison CompareRobots(std::span<const RobotSession> sessions) {
   FleetComparison fleet = CountSessions(sessions);
   if (fleet.robots.size() < 2) return fleet;
-  for (const RobotMetric metric : kRobotMetrics) CompareIn(metric, sessions, options, fleet);
+  for (const RobotMetric metric : kRobotMetrics) CompareIn(metric, sessions, fleet);
   return fleet;
 }
 

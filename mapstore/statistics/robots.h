@@ -31,21 +31,6 @@ struct RobotSession {
   std::span<const Observation> observations;  // the caller's, alive while robots are compared
 };
 
-struct RobotComparisonOptions {
-  // Probability that a fleet without a fault has any robot (or, separately, any session) flagged:
-  // shared out among all tests made (Bonferroni).
-  double false_alarm = 0.01;
-  // A session says something about a segment from this many queries on (localized ones, for
-  // ratios).
-  std::int64_t min_queries = 3;
-  // Sessions of other robots that a session is compared with, in each segment: the nearest in time.
-  std::int64_t max_references = 10;
-  // Smaller differences are ignored, however certain.
-  double min_gravity_rad = 0.0175;  // 1 degree
-  double min_ratio = 0.1;
-  double min_success = 0.2;
-};
-
 // How a robot, or a session, differs from the others in one metric.
 struct RobotDifference {
   RobotMetric metric = RobotMetric::kGravity;
@@ -84,16 +69,15 @@ struct FleetComparison {
   std::vector<SessionComparison> sessions;  // in the order given
 };
 
-// In each segment a session's value is compared with the median of the nearest sessions of other
-// robots, because a changed map affects all robots. A session's difference is the median over its
-// segments (so one bad segment has no effect); a robot's difference is the median over its
+// In each segment a session's value is compared with the median of the ten nearest sessions of
+// other robots, because a changed map affects all robots. A session's difference is the median over
+// its segments (so one bad segment has no effect); a robot's difference is the median over its
 // sessions. A session stands out only if it is worse than the nearest ones before it and than the
 // nearest ones after it: one that is no worse than what followed saw the map change. (The first
 // session after a change is flagged until another robot has followed.) The scatter is robust too:
 // the median difference between two sessions of one robot, divided by 0.954. It is judged by
 // Student's t, with a floor of a quarter of the smallest relevant difference. Needs two robots with
 // a segment in common; with only two the worse one is flagged.
-FleetComparison CompareRobots(std::span<const RobotSession> sessions,
-                              const RobotComparisonOptions& options = {});
+FleetComparison CompareRobots(std::span<const RobotSession> sessions);
 
 }  // namespace maploc

@@ -1,4 +1,4 @@
-// Which strategy a segment should use (paper section IV, design.md section 6).
+// Which strategy a segment should use (the paper's section IV; README.md, "Selection").
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // From observations to rows, from rows to statistics, from statistics to a strategy: pure functions
-// (design.md section 6).
+// (README.md).
 #pragma once
 
 #include <array>

@@ -26,9 +26,11 @@ struct flock LockOf(std::int64_t first, std::int64_t count) {
   return lock;
 }
 
-Status Failed(const std::string& path) {
+Status Failed(const std::string& store_path) {
+  const int error = errno;
   return Status(StatusCode::kUnavailable, "IMPORT_LOCK",
-                path + ": cannot be locked (" + std::strerror(errno) + "); check its permissions");
+                store_path + ": its lock " + LockPath(store_path) + " cannot be taken (" +
+                    std::strerror(error) + "); check that file's permissions");
 }
 
 }  // namespace
@@ -36,9 +38,9 @@ Status Failed(const std::string& path) {
 Result<ImportLock> ImportLock::Acquire(const std::string& store_path, std::int64_t import_id) {
   const std::string path = LockPath(store_path);
   ImportLock lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
-  if (lock.file_ < 0) return Failed(path);
+  if (lock.file_ < 0) return Failed(store_path);
   struct flock byte = LockOf(import_id, 1);
-  if (fcntl(lock.file_, F_OFD_SETLK, &byte) != 0) return Failed(path);
+  if (fcntl(lock.file_, F_OFD_SETLK, &byte) != 0) return Failed(store_path);
   return lock;
 }
 
@@ -56,10 +58,10 @@ Result<bool> ImportLock::AreHeld(const std::string& store_path, std::int64_t fir
   const ImportLock file(open(path.c_str(), O_RDWR | O_CLOEXEC));
   if (file.file_ < 0) {
     if (errno == ENOENT) return false;
-    return Failed(path);
+    return Failed(store_path);
   }
   struct flock byte = LockOf(first, count);
-  if (fcntl(file.file_, F_OFD_GETLK, &byte) != 0) return Failed(path);
+  if (fcntl(file.file_, F_OFD_GETLK, &byte) != 0) return Failed(store_path);
   return byte.l_type != F_UNLCK;
 }
 

@@ -11,10 +11,12 @@
 namespace maploc {
 namespace {
 
-Status CannotLock(const std::string& path, int error, const std::string& what,
-                  const std::string& cure) {
-  return Status(StatusCode::kUnavailable, "CANNOT_LOCK",
-                path + ": " + what + " (" + std::strerror(error) + "); " + cure);
+// The store as the user names it; its lock lies beside the file, which may be behind a link.
+Status CannotLock(const std::string& store, const std::string& lock, int error,
+                  const std::string& what, const std::string& cure) {
+  return Status(
+      StatusCode::kUnavailable, "CANNOT_LOCK",
+      store + ": its lock " + lock + " " + what + " (" + std::strerror(error) + "); " + cure);
 }
 
 }  // namespace
@@ -23,7 +25,7 @@ Result<ServeLock> ServeLock::Acquire(const std::string& store_path) {
   const std::string path = BesideStore(store_path, "-server");
   ServeLock lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
   if (lock.file_ < 0) {
-    return CannotLock(path, errno, "cannot be opened",
+    return CannotLock(store_path, path, errno, "cannot be opened",
                       "the store's folder must exist, and this program be allowed to write in it");
   }
   struct flock whole_file {};
@@ -36,7 +38,7 @@ Result<ServeLock> ServeLock::Acquire(const std::string& store_path) {
                       ": another maploc-server serves this store; stop it, or give this "
                       "one a store of its own");
   }
-  return CannotLock(path, errno, "cannot be locked",
+  return CannotLock(store_path, path, errno, "cannot be locked",
                     "put the store on a file system that has locks");
 }
 

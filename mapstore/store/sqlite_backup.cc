@@ -42,11 +42,9 @@ Status FileExists(const std::string& path) {
                 path + ": exists already; choose another name or remove it");
 }
 
-// vfat, exFAT and some network file systems know no second name for a file.
 bool GiveName(const std::string& partial, const std::string& to) {
   if (link(partial.c_str(), to.c_str()) == 0) return true;
-  const bool no_links = errno == EPERM || errno == EOPNOTSUPP;
-  return no_links && RenameToNewName(partial, to);
+  return HasNoLinks(errno) && RenameToNewName(partial, to);
 }
 
 }  // namespace
@@ -80,6 +78,8 @@ Status CheckNewStoreFile(const std::string& to) {
   return faccessat(AT_FDCWD, FolderOf(to).c_str(), W_OK, AT_EACCESS) == 0 ? Status::Ok()
                                                                           : NotWritten(to);
 }
+
+bool HasNoLinks(int error) { return error == EPERM || error == EOPNOTSUPP || error == ENOSYS; }
 
 bool RenameOverOwnFile(const std::string& from, const std::string& to) {
   const int own = open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);

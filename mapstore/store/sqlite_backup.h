@@ -13,6 +13,9 @@ namespace maploc {
 Status CopyStore(SqliteDatabase& source, const std::string& to);
 // Makes new names in the file's folder outlive a crash. False: errno tells why.
 bool SyncFolderOf(const std::string& path);
+// Whether link() failed with `error` because the file system knows no second name for a file: vfat,
+// exFAT and some network file systems.
+bool HasNoLinks(int error);
 // Renames a file, but replaces none. False: errno tells why, EEXIST where `to` is there already.
 bool RenameToNewName(const std::string& from, const std::string& to);
 // The same by any file system's means: takes the name first, then renames over it.

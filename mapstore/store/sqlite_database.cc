@@ -71,6 +71,13 @@ int LastSystemError(sqlite3* handle) {
 // SQLite tells a full disk from other failures where it writes, not where it lengthens a file.
 Status IoFailed(const std::string& where, const std::string& what, int system_error) {
   if (system_error == ENOSPC || system_error == EDQUOT) return DiskFull(where);
+  if (system_error == EFBIG) {
+    return ResourceExhausted(
+        "DISK_FULL", where +
+                         "a file of the store may not grow further: it is at this process's limit "
+                         "(`ulimit -f`) or at the file system's largest file; raise the limit and "
+                         "start again, or move the store to another file system");
+  }
   if (system_error == EROFS) {
     return Status(StatusCode::kUnavailable, "STORE_NOT_WRITABLE",
                   where +

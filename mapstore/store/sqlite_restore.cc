@@ -27,9 +27,15 @@ Status InUse(const std::string& store, const std::string& who) {
                 store + ": " + who + "; end it first, then restore");
 }
 
-Status Failed(const std::string& path) {
+// Where a store goes: the path that the user gave, and the file behind it, if that is a link.
+struct Place {
+  std::string given;
+  std::string file;
+};
+
+Status Failed(const Place& store, const std::string& what) {
   return Status(StatusCode::kUnavailable, "RESTORE_FAILED",
-                path + ": cannot be put in place (" + std::strerror(errno) +
+                store.given + ": " + what + " cannot be put in place (" + std::strerror(errno) +
                     "); the store is as it was; check the folder and its permissions");
 }
 
@@ -74,35 +80,34 @@ Result<RestoredStore> CountWhatIsIn(const std::string& path) {
 
 // With the owner and the permissions of the file that it replaces: a restore by root must not shut
 // the server out.
-Status Settle(const std::string& partial, const std::string& store) {
+Status Settle(const std::string& partial, const Place& store) {
   struct stat old {};
-  if (stat(store.c_str(), &old) == 0) {
+  if (stat(store.file.c_str(), &old) == 0) {
     const bool like_old = chown(partial.c_str(), old.st_uid, old.st_gid) == 0 &&
                           chmod(partial.c_str(), old.st_mode & 07777) == 0;
-    if (!like_old) return Failed(partial);
+    if (!like_old) return Failed(store, partial);
   }
   const int file = open(partial.c_str(), O_RDONLY | O_CLOEXEC);
   const bool synced = file >= 0 && fsync(file) == 0;
   if (file >= 0) close(file);
-  return synced ? Status::Ok() : Failed(partial);
+  return synced ? Status::Ok() : Failed(store, partial);
 }
 
 // The store that is there, under other names for as long as its place is not taken for good. They
 // belong together as SQLite sees it: were we killed now, nothing would be lost.
 class OldStore {
  public:
-  explicit OldStore(std::string path)
-      : path_(std::move(path)), aside_(path_ + ".replaced-" + std::to_string(getpid())) {}
+  explicit OldStore(const Place& place)
+      : place_(place), path_(place.file), aside_(path_ + ".replaced-" + std::to_string(getpid())) {}
 
-  // The file keeps its name as well, so that there is a store at every moment; a log beside the new
-  // file would be replayed into it.
+  // The logs too: one beside the new file would be replayed into it.
   Status SetAside() {
-    if (fs::exists(path_) && link(path_.c_str(), aside_.c_str()) != 0) return Failed(path_);
+    if (fs::exists(path_) && !GiveSecondName()) return Failed(place_, path_);
     for (const char* suffix : {"-wal", "-shm", "-journal"}) {
       if (std::rename((path_ + suffix).c_str(), (aside_ + suffix).c_str()) == 0) {
         moved_.emplace_back(suffix);
       } else if (errno != ENOENT) {
-        const Status failed = Failed(path_ + suffix);
+        const Status failed = Failed(place_, path_ + suffix);
         PutBack();
         return failed;
       }
@@ -120,17 +125,26 @@ class OldStore {
   void Discard() const { RemoveStoreFiles(aside_); }
 
  private:
+  // The file keeps its name as well, so that there is a store at every moment. Where the file
+  // system knows no links there is none until the new file is in place; were we killed in between,
+  // the old file and its logs would lie there under the other name.
+  bool GiveSecondName() const {
+    if (link(path_.c_str(), aside_.c_str()) == 0) return true;
+    return HasNoLinks(errno) && std::rename(path_.c_str(), aside_.c_str()) == 0;
+  }
+
+  const Place place_;
   const std::string path_;
   const std::string aside_;
   std::vector<std::string> moved_;
 };
 
-Status PutInPlace(const std::string& partial, const std::string& store) {
+Status PutInPlace(const std::string& partial, const Place& store) {
   MAPLOC_RETURN_IF_ERROR(Settle(partial, store));
   OldStore old(store);
   MAPLOC_RETURN_IF_ERROR(old.SetAside());
-  if (std::rename(partial.c_str(), store.c_str()) != 0 || !SyncFolderOf(store)) {
-    const Status failed = Failed(store);
+  if (std::rename(partial.c_str(), store.file.c_str()) != 0 || !SyncFolderOf(store.file)) {
+    const Status failed = Failed(store, store.file);
     old.PutBack();
     return failed;
   }
@@ -138,7 +152,7 @@ Status PutInPlace(const std::string& partial, const std::string& store) {
   return Status::Ok();
 }
 
-Result<RestoredStore> Restore(const std::string& store, const std::string& from,
+Result<RestoredStore> Restore(const Place& store, const std::string& from,
                               const std::string& partial) {
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase source, OpenSource(from));
   MAPLOC_RETURN_IF_ERROR(CopyStore(source, partial));
@@ -157,12 +171,12 @@ Result<RestoredStore> RestoreSqliteStore(const std::string& store, const std::st
   MAPLOC_ASSIGN_OR_RETURN(const ServeLock lock, LockOut(store));
   std::error_code error;
   const fs::path real = fs::weakly_canonical(store, error);  // a link stays one
-  if (error) return Failed(store);
+  if (error) return Failed({store, store}, store);
   if (fs::equivalent(real, from, error)) {
     return InvalidArgument("from", "is the store itself; name its backup");
   }
   const std::string partial = real.string() + ".partial-" + std::to_string(getpid());
-  Result<RestoredStore> restored = Restore(real.string(), from, partial);
+  Result<RestoredStore> restored = Restore({store, real.string()}, from, partial);
   RemoveStoreFiles(partial);
   return restored;
 }

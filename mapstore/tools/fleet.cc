@@ -1,17 +1,14 @@
 #include "mapstore/tools/fleet.h"
 
-#include <numbers>
-
+#include "mapstore/base/angles.h"
 #include "mapstore/statistics/text.h"
 
 namespace maploc {
 namespace {
 
-constexpr double kDegreesOfRadian = 180.0 / std::numbers::pi;
-
 std::string Describe(const RobotDifference& difference) {
   const bool gravity = difference.metric == RobotMetric::kGravity;
-  const double unit = gravity ? kDegreesOfRadian : 1.0;
+  const double unit = gravity ? kDegPerRad : 1.0;
   const int decimals = gravity ? 1 : 2;
   return std::string(RobotMetricName(difference.metric)) + " " +
          FixedText(unit * difference.own, decimals) + " (others " +

@@ -2,10 +2,10 @@
 
 #include <chrono>
 #include <iostream>
-#include <numbers>
 
 #include <unistd.h>
 
+#include "mapstore/base/angles.h"
 #include "mapstore/base/path_kind.h"
 #include "mapstore/base/table.h"
 #include "mapstore/importers/colmap_importer.h"
@@ -13,8 +13,6 @@
 
 namespace maploc {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 // The flags as they were given, and what they mean.
 struct Flags {
@@ -80,7 +78,7 @@ nlohmann::ordered_json ToJson(const ColmapImportReport& report, double seconds) 
       {"segment_length", report.segment_length},
       {"gravity", {gravity.x(), gravity.y(), gravity.z()}},
       {"gravity_source", SourceName(report.gravity.source)},
-      {"gravity_interval_deg", report.gravity.interval_rad * kDegrees},
+      {"gravity_interval_deg", report.gravity.interval_rad * kDegPerRad},
       {"gravity_basis", report.gravity.basis},
       {"map_from_source",
        {{"scale", report.info.map_from_source.scale},
@@ -112,7 +110,7 @@ void TellGravity(const SourceGravity& gravity) {
     const Eigen::Vector3d& g = gravity.down_in_source;
     std::cerr << "gravity " << SourceName(gravity.source) << " from " << gravity.basis << ": "
               << g.x() << "," << g.y() << "," << g.z()
-              << " (down, in the model's frame), 95% within " << gravity.interval_rad * kDegrees
+              << " (down, in the model's frame), 95% within " << gravity.interval_rad * kDegPerRad
               << " degrees\n";
   }
   if (!gravity.warning.empty()) std::cerr << "warning: " << gravity.warning << "\n";

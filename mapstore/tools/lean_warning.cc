@@ -2,14 +2,12 @@
 
 #include <cstdio>
 #include <map>
-#include <numbers>
 
+#include "mapstore/base/angles.h"
 #include "mapstore/statistics/lean.h"
 
 namespace maploc {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 // By map version and robot. A query whose gravity was not compared has no tilt.
 std::map<MapKey, std::map<std::string, RobotTilts>> CollectTilts(
@@ -35,8 +33,8 @@ std::string Describe(const MapKey& map, const Lean& lean) {
       "gravity of version %lld is off by %.1f degrees (95%% interval %.1f) according to all "
       "%lld robots in %lld queries; correct it: maploc-map level --map %s --gravity "
       "%.5f,%.5f,%.5f",
-      static_cast<long long>(map.version), lean.tilt_rad.norm() * kDegrees,
-      lean.interval_rad * kDegrees, static_cast<long long>(lean.robots),
+      static_cast<long long>(map.version), lean.tilt_rad.norm() * kDegPerRad,
+      lean.interval_rad * kDegPerRad, static_cast<long long>(lean.robots),
       static_cast<long long>(lean.queries), map.name.c_str(), down.x(), down.y(), down.z());
   return "map " + map.name + ": " + text;
 }

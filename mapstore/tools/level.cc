@@ -1,8 +1,8 @@
 #include <cmath>
 #include <iostream>
-#include <numbers>
 #include <vector>
 
+#include "mapstore/base/angles.h"
 #include "mapstore/base/clock.h"
 #include "mapstore/geometry/gravity.h"
 #include "mapstore/model/rotate_segment.h"
@@ -13,7 +13,6 @@
 namespace maploc {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 // A turn that no accelerometer notices makes no version: the command may be repeated.
 constexpr double kSmallestTurnRad = kMinGravitySigmaRad;
 
@@ -64,7 +63,7 @@ nlohmann::ordered_json ToJson(const Levelled& levelled) {
           {"version", levelled.after.version},
           {"from_version", levelled.before.version},
           {"changed", levelled.after != levelled.before},
-          {"turn_deg", levelled.turn_rad * kDegrees},
+          {"turn_deg", levelled.turn_rad * kDegPerRad},
           {"gravity", {gravity.x(), gravity.y(), gravity.z()}}};
 }
 
@@ -76,7 +75,7 @@ void PrintText(const Levelled& levelled) {
   }
   std::cout << "Map " << levelled.after.name << " version " << levelled.after.version
             << " is version " << levelled.before.version << " turned by "
-            << levelled.turn_rad * kDegrees << " degrees.\n";
+            << levelled.turn_rad * kDegPerRad << " degrees.\n";
 }
 
 Status Level(const CommandContext& context, const LevelFlags& flags) {

@@ -1,5 +1,6 @@
 // maploc-map: everything an operator does with a store. Contract: exit code 0 done, 1 failed (one
 // line on standard error), 2 wrong usage.
+#include <csignal>
 #include <exception>
 #include <iostream>
 
@@ -12,9 +13,6 @@
 #endif
 
 namespace {
-
-constexpr int kFailed = 1;
-constexpr int kWrongUsage = 2;
 
 void AddCommands(CLI::App& app, maploc::CommandContext& context) {
 #ifdef MAPLOC_HAS_IMPORT_COLMAP
@@ -58,12 +56,14 @@ maploc::Status Run(const maploc::CommandContext& context) {
 int Report(const maploc::Status& status) {
   if (status.ok()) return 0;
   std::cerr << "maploc-map: " << OneLine(status.message()) << "\n";
-  return kFailed;
+  return maploc::kExitFailed;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  // At a limit on the size of files a write fails, and that is told; the program is not ended.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app("Makes, inspects and looks after maploc's stores", "maploc-map");
   app.footer("Each command's --help has an example.");
   app.require_subcommand(1);
@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (app.exit(error) != 0) return kWrongUsage;
+    if (app.exit(error) != 0) return maploc::kExitWrongUsage;
     return Report(maploc::FlushStandardOutput());
   }
   return Report(Run(context));

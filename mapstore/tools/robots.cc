@@ -1,6 +1,7 @@
 #include <iostream>
 #include <optional>
 
+#include "mapstore/base/angles.h"
 #include "mapstore/base/table.h"
 #include "mapstore/statistics/text.h"
 #include "mapstore/tools/commands.h"
@@ -55,12 +56,11 @@ std::string CountCell(std::int64_t count, const RobotComparison& robot) {
 }
 
 void PrintTable(const FleetComparison& fleet) {
-  constexpr double kDegrees = 57.29577951308232;
   Table table({"robot", "sessions", "queries", "localized", "gravity, degrees", "points", "lines",
                "success", "calibration off", "gravity off", "stands out"});
   for (const RobotComparison& robot : fleet.robots) {
     table.AddRow({robot.robot, std::to_string(robot.sessions), std::to_string(robot.queries),
-                  std::to_string(robot.localized), Pair(robot, RobotMetric::kGravity, kDegrees),
+                  std::to_string(robot.localized), Pair(robot, RobotMetric::kGravity, kDegPerRad),
                   Pair(robot, RobotMetric::kPoints, 1.0), Pair(robot, RobotMetric::kLines, 1.0),
                   Pair(robot, RobotMetric::kSuccess, 1.0),
                   CountCell(robot.calibration_inconsistent, robot),

@@ -13,9 +13,6 @@
 namespace maploc {
 namespace {
 
-constexpr int kWrongUsage = 2;
-constexpr int kUnusable = 1;
-
 constexpr char kFooter[] =
     "Each option is also read from the environment (MAPLOC_LISTEN, MAPLOC_IDLE_TIMEOUT, ...) and "
     "from\n"
@@ -91,7 +88,7 @@ int Explain(const CLI::App& app, const CLI::ParseError& error) {
   if (app.exit(error) == 0) return 0;
   const bool of_the_file = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::FileError) ||
                            error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ConfigError);
-  return of_the_file ? kUnusable : kWrongUsage;
+  return of_the_file ? kExitFailed : kExitWrongUsage;
 }
 
 }  // namespace

@@ -45,7 +45,29 @@ Result<std::optional<ServeLock>> Lock(const std::string& store) {
   return std::optional<ServeLock>(std::move(lock));
 }
 
-// Before the first server is built; once a process.
+Status CannotListen(const std::string& address) {
+  return Status(
+      StatusCode::kUnavailable, "CANNOT_LISTEN",
+      "cannot listen on " + address + "; is the port in use, or the host not this machine's?");
+}
+
+// Without reuse a second server would share the port and take half of the requests.
+void ListenOn(const std::string& address, int* port, grpc::ServerBuilder* builder) {
+  builder->AddListeningPort(address, grpc::InsecureServerCredentials(), port);
+  builder->AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+}
+
+// Looks with a server of no services, which ends at once: a fresh store is not to be made where
+// nobody will serve it.
+Status CheckCanListen(const std::string& address) {
+  grpc::ServerBuilder builder;
+  int port = 0;
+  ListenOn(address, &port, &builder);
+  const std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
+  return server != nullptr && port != 0 ? Status::Ok() : CannotListen(address);
+}
+
+// Before the server is built; once a process.
 void EnablePlugins() {
   static const bool done = [] {
     grpc::EnableDefaultHealthCheckService(true);
@@ -62,6 +84,9 @@ Server::Server(const ServerOptions& options, std::unique_ptr<MapStore> store,
     : options_(options), lock_(std::move(lock)), store_(std::move(store)) {}
 
 Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
+  std::error_code none;
+  const auto bytes = std::filesystem::file_size(options.store, none);
+  if (none || bytes == 0) MAPLOC_RETURN_IF_ERROR(CheckCanListen(options.listen));
   // First: until it is held, port file and store may be another server's.
   MAPLOC_ASSIGN_OR_RETURN(std::optional<ServeLock> lock, Lock(options.store));
   // A port of an earlier run must not be taken for ours.
@@ -103,20 +128,14 @@ Status Server::StartDomain() {
 Status Server::Listen() {
   EnablePlugins();
   grpc::ServerBuilder builder;
-  builder.AddListeningPort(options_.listen, grpc::InsecureServerCredentials(), &port_);
-  // Else a second server would share the port and take half of the requests.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  ListenOn(options_.listen, &port_, &builder);
   services_->Register(&builder);
   std::unique_ptr<grpc::Server> started = builder.BuildAndStart();
   {
     const std::lock_guard lock(mutex_);
     grpc_server_ = std::move(started);
   }
-  if (grpc_server_ == nullptr || port_ == 0) {
-    return Status(StatusCode::kUnavailable, "CANNOT_LISTEN",
-                  "cannot listen on " + options_.listen +
-                      "; is the port in use, or the host not this machine's?");
-  }
+  if (grpc_server_ == nullptr || port_ == 0) return CannotListen(options_.listen);
   // Asked for by name, or for the server as a whole; TellHealth turns all that are known.
   for (const std::string& name : Services::Names()) {
     grpc_server_->GetHealthCheckService()->SetServingStatus(name, true);

@@ -29,10 +29,11 @@ inline constexpr std::chrono::seconds kDrainTime{10};
 
 class Server {
  public:
-  // Takes the store's lock (refused, it has touched nothing), opens (or makes) the store, sweeps
-  // abandoned imports, takes up open sessions, listens, and writes the port file: when it returns
-  // ok, the server answers. Errors name the cause and the cure. From then on health is SERVING
-  // while statistics can be written and the store is the one that was opened.
+  // Takes the store's lock (refused, it has touched nothing), opens the store (or makes it, where
+  // the address is free), sweeps abandoned imports, takes up open sessions, listens, and writes the
+  // port file: when it returns ok, the server answers. Errors name the cause and the cure. From
+  // then on health is SERVING while statistics can be written and the store is the one that was
+  // opened.
   static Result<std::unique_ptr<Server>> Start(const ServerOptions& options);
   // Shuts down.
   ~Server();

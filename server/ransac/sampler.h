@@ -7,9 +7,9 @@
 //
 // Where matches carry ratios, draws begin among the surest (draw_pool.h).
 //
-// Gates (design.md section 5): conditioning w of at least sin 10 degrees; two points at least 10 px
-// apart in the image; a point at least 10 px off the image line. When fewer than half of the draws
-// of a window pass, all gates are halved.
+// Gates: conditioning w (server/solvers/yaw_equation.h) of at least sin 10 degrees; two points at
+// least 10 px apart in the image; a point at least 10 px off the image line. When fewer than half
+// of the draws of a window pass, all gates are halved.
 #pragma once
 
 #include <cstdint>

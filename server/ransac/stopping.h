@@ -16,8 +16,8 @@ struct InlierCounts {
   int vertical_line_inliers = 0;
 };
 
-// Probability that one draw of the strategy is all inliers (design.md section 6); 0 where it cannot
-// be drawn.
+// Probability that one draw of the strategy is all inliers (the paper's section IV); 0 where it
+// cannot be drawn.
 double DrawProbability(Strategy strategy, const InlierCounts& counts);
 
 // Ratio of the share of evaluated hypotheses that lead to the pose to DrawProbability. It is above

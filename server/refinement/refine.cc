@@ -14,9 +14,6 @@
 namespace maploc {
 namespace {
 
-// Cauchy's loss at this many sigmas: a true inlier hardly feels it, a wrong match inside of the
-// threshold does.
-constexpr double kLossScaleSigmas = 2.5;
 constexpr int kMaxSolverIterations = 20;
 constexpr double kFunctionTolerance = 1e-6;  // change of the sum of squares a residual, in sigmas^2
 // TinySolver does not take a step shorter than this share of the parameters, so that a pose some
@@ -35,6 +32,7 @@ double VarianceUnderLoss(double a) { return 1.0 + 8.0 / (std::pow(a, 4) + 16.0 *
 
 // The first round looks at no more than about so many: it only has to come near.
 constexpr int kCoarseFeatures = 200;
+constexpr int kMaxRounds = 4;  // of gathering inliers and refining, until the inliers stay
 
 // PoseResiduals as Ceres' solver of small dense problems wants them.
 template <int kParameters>
@@ -96,7 +94,7 @@ class Refiner {
   RefinedPose Run(Rigid3 pose) {
     RefinedPose refined;
     InlierFlags inliers = Inliers(pose);
-    for (int round = 0; round < options_.max_rounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       const bool coarse = round == 0 && inliers.count > kCoarseFeatures;
       if (inliers.count < MinFeatures(mode_)) break;
       if (!Solve(coarse ? Thinned(inliers, kCoarseFeatures) : inliers, &pose)) break;

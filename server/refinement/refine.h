@@ -13,12 +13,15 @@
 
 namespace maploc {
 
+// Cauchy's loss at this many sigmas: a true inlier hardly feels it, a wrong match inside of the
+// threshold does.
+inline constexpr double kLossScaleSigmas = 2.5;
+
 struct RefineOptions {
   Refinement mode = Refinement::kAuto;
   double pixel_sigma = 1.0;  // noise of a keypoint and of a line's end point, in pixels, before the
                              // residuals have been seen
   double max_reprojection_error_px = 4.0;  // inliers are gathered anew under each refined pose
-  int max_rounds = 4;                      // of gathering and refining, until the inliers stay
 };
 
 struct RefinedPose {

@@ -10,6 +10,15 @@
 namespace maploc {
 namespace {
 
+// Features of the query that are matched with the shortlist, evenly spread over its order: as many
+// as kMaxPairs allows (features x rows of the place index), between these bounds. CountVotes
+// gets kMinFeatures.
+constexpr std::int64_t kMaxFeatures = 500;
+constexpr int kMinFeatures = 100;
+constexpr std::int64_t kMaxPairs = 2'000'000;
+// A segment farther from the prior (plus the segment's reach) is left out.
+constexpr double kMaxSigmas = 4.0;
+
 Descriptors EvenRows(const Descriptors& all, int max_rows) {
   return GatherRows(all, EvenSample(all.size(), max_rows));
 }
@@ -20,10 +29,9 @@ std::int64_t CountRows(const std::vector<int>& candidates, const PlaceIndex& pla
   return rows;
 }
 
-int FeatureBudget(std::int64_t rows, const RetrievalOptions& options) {
-  const std::int64_t affordable = options.max_pairs / std::max<std::int64_t>(rows, 1);
-  return static_cast<int>(
-      std::clamp<std::int64_t>(affordable, options.min_features, options.max_features));
+int FeatureBudget(std::int64_t rows) {
+  const std::int64_t affordable = kMaxPairs / std::max<std::int64_t>(rows, 1);
+  return static_cast<int>(std::clamp<std::int64_t>(affordable, kMinFeatures, kMaxFeatures));
 }
 
 struct Candidate {
@@ -31,13 +39,12 @@ struct Candidate {
   double distance = 0.0;  // from the prior to the path, in the prior's sigmas
 };
 
-std::vector<Candidate> NearPrior(const PosePrior& prior, const PlaceIndex& places,
-                                 double max_sigmas) {
+std::vector<Candidate> NearPrior(const PosePrior& prior, const PlaceIndex& places) {
   std::vector<Candidate> near;
   for (int s = 0; s < places.segment_count(); ++s) {
     const std::vector<Eigen::Vector3d>& path = places.PathOf(s);
     const double distance = path.empty() ? 0.0 : DistanceToPath(prior.position_in_map, path);
-    if (distance > max_sigmas * prior.sigma_m + places.ReachOf(s)) continue;
+    if (distance > kMaxSigmas * prior.sigma_m + places.ReachOf(s)) continue;
     near.push_back({s, distance / prior.sigma_m});
   }
   return near;
@@ -66,13 +73,12 @@ std::vector<int> RankByFeatures(const Descriptors& all_features, std::vector<int
                                 int segment_count, const PlaceIndex& places,
                                 const RetrievalOptions& options) {
   if (static_cast<int>(candidates.size()) > options.max_shortlist) {
-    const std::vector<int> votes = CountVotes(EvenRows(all_features, options.min_features), places,
-                                              segment_count, options.max_ratio);
+    const std::vector<int> votes =
+        CountVotes(EvenRows(all_features, kMinFeatures), places, segment_count, options.max_ratio);
     candidates = Best(std::move(candidates), options.max_shortlist, votes);
     std::sort(candidates.begin(), candidates.end());
   }
-  const Descriptors features =
-      EvenRows(all_features, FeatureBudget(CountRows(candidates, places), options));
+  const Descriptors features = EvenRows(all_features, FeatureBudget(CountRows(candidates, places)));
   std::vector<double> scores(segment_count, 0.0);
   for (const int s : candidates) {
     scores[s] = SegmentScore(features, places, s, options.max_ratio);
@@ -113,7 +119,7 @@ std::vector<int> RankSegments(const PointFeatures& features, const std::optional
   std::vector<int> candidates(places.segment_count());
   std::iota(candidates.begin(), candidates.end(), 0);
   if (prior) {
-    const std::vector<Candidate> near = NearPrior(*prior, places, options.max_sigmas);
+    const std::vector<Candidate> near = NearPrior(*prior, places);
     if (static_cast<int>(near.size()) <= options.max_segments) return BestByDistance(near);
     candidates.clear();
     for (const Candidate& candidate : near) candidates.push_back(candidate.segment);

@@ -12,20 +12,13 @@
 namespace maploc {
 
 struct RetrievalOptions {
-  int max_segments = 3;  // the answer's length at most
-  // Of the query that are matched with the shortlist, evenly spread over its order: as many as
-  // max_pairs allows (features x rows of the place index), between these bounds. CountVotes gets
-  // min_features.
-  int max_features = 500;
-  int min_features = 100;
-  std::int64_t max_pairs = 2'000'000;
-  int max_shortlist = 16;   // segments that are matched one by one
-  float max_ratio = 0.9f;   // of a match: nearest to second nearest landmark
-  double max_sigmas = 4.0;  // farther from the prior (plus the segment's reach) is left out
+  int max_segments = 3;    // the answer's length at most
+  int max_shortlist = 16;  // segments that are matched one by one
+  float max_ratio = 0.9f;  // of a match: nearest to second nearest landmark
 };
 
 // Indices into the segments that `places` was built from, best first, at most max_segments.
-// * A prior leaves out the segments whose path is farther from it than max_sigmas plus their reach;
+// * A prior leaves out the segments whose path is farther from it than 4 sigmas plus their reach;
 //   where none is left the answer is empty (OUT_OF_MAP). A segment without a path is never left
 //   out. No more than max_segments left: nearest first, and nothing is matched.
 // * More than max_shortlist candidates: those with most votes stay (CountVotes).

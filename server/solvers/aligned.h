@@ -2,14 +2,10 @@
 // is left of the pose is a yaw and a translation: aligned_from_map = [Rz(yaw) | t].
 //
 // The kernels (up2p.h, up1p1l.h, up1p2v.h) take rays that are already in this frame, so that a
-// RANSAC turns every ray once and not once a sample. This header turns rays in and poses out.
+// RANSAC turns every ray once and not once a sample.
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
-
-#include "mapstore/geometry/gravity.h"
-#include "mapstore/geometry/rigid3.h"
 
 namespace maploc {
 
@@ -51,39 +47,6 @@ inline Eigen::Matrix3d RotationMatrix(const Yaw& yaw) {
   Eigen::Matrix3d rotation;
   rotation << yaw.cosine, -yaw.sine, 0, yaw.sine, yaw.cosine, 0, 0, 0, 1;
   return rotation;
-}
-
-// camera_from_map = camera_from_aligned * aligned_from_map.
-inline Rigid3 CameraFromMap(const Eigen::Quaterniond& camera_from_aligned,
-                            const AlignedPose& aligned_from_map) {
-  const Eigen::Matrix3d rotation =
-      camera_from_aligned.toRotationMatrix() * RotationMatrix(aligned_from_map.yaw);
-  return {Eigen::Quaterniond(rotation).normalized(),
-          camera_from_aligned * aligned_from_map.translation};
-}
-
-// The gravity overload of every aligned kernel. `kernel` is called with a function that turns a
-// vector of the camera into the aligned frame and with room for two AlignedPoses, and returns how
-// many it wrote. REQUIRES: |gravity_in_camera| = 1.
-//
-//   Rigid3 poses[2];
-//   int n = SolveWithGravity(gravity, poses, [&](const auto& align, AlignedPose* out) {
-//     return SolveUp2p(align(ray1), point1, align(ray2), point2, out);
-//   });
-template <typename Kernel>
-int SolveWithGravity(const Eigen::Vector3d& gravity_in_camera, Rigid3 camera_from_map[2],
-                     const Kernel& kernel) {
-  const Eigen::Quaterniond camera_from_aligned = CameraFromAligned(gravity_in_camera);
-  const Eigen::Matrix3d aligned_from_camera = camera_from_aligned.toRotationMatrix().transpose();
-  const auto align = [&](const Eigen::Vector3d& in_camera) -> Eigen::Vector3d {
-    return aligned_from_camera * in_camera;
-  };
-  AlignedPose aligned[2];
-  const int count = kernel(align, aligned);
-  for (int i = 0; i < count; ++i) {
-    camera_from_map[i] = CameraFromMap(camera_from_aligned, aligned[i]);
-  }
-  return count;
 }
 
 }  // namespace maploc

@@ -32,19 +32,4 @@ int SolveUp1p1l(const Eigen::Vector3d& ray, const Eigen::Vector3d& point,
   return keep1 + keep2;
 }
 
-double Up1p1lConditioning(const Eigen::Vector3d& plane_normal,
-                          const Eigen::Vector3d& line_direction) {
-  return YawConditioning(plane_normal, line_direction);
-}
-
-int SolveUp1p1l(const Eigen::Vector3d& gravity_in_camera, const Eigen::Vector3d& ray,
-                const Eigen::Vector3d& point, const Eigen::Vector3d& plane_normal,
-                const Eigen::Vector3d& line_point, const Eigen::Vector3d& line_direction,
-                Rigid3 camera_from_map[2]) {
-  return SolveWithGravity(
-      gravity_in_camera, camera_from_map, [&](const auto& align, AlignedPose* out) {
-        return SolveUp1p1l(align(ray), point, align(plane_normal), line_point, line_direction, out);
-      });
-}
-
 }  // namespace maploc

@@ -19,7 +19,6 @@
 
 #include <Eigen/Core>
 
-#include "mapstore/geometry/rigid3.h"
 #include "server/solvers/aligned.h"
 
 namespace maploc {
@@ -29,15 +28,5 @@ namespace maploc {
 int SolveUp1p1l(const Eigen::Vector3d& ray, const Eigen::Vector3d& point,
                 const Eigen::Vector3d& plane_normal, const Eigen::Vector3d& line_point,
                 const Eigen::Vector3d& line_direction, AlignedPose aligned_from_map[2]);
-
-// Conditioning w in [0, 1] of the line (yaw_equation.h), before solving.
-double Up1p1lConditioning(const Eigen::Vector3d& plane_normal,
-                          const Eigen::Vector3d& line_direction);
-
-// The gravity overload: ray and normal in the camera, gravity a unit vector in the camera.
-int SolveUp1p1l(const Eigen::Vector3d& gravity_in_camera, const Eigen::Vector3d& ray,
-                const Eigen::Vector3d& point, const Eigen::Vector3d& plane_normal,
-                const Eigen::Vector3d& line_point, const Eigen::Vector3d& line_direction,
-                Rigid3 camera_from_map[2]);
 
 }  // namespace maploc

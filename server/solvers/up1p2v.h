@@ -1,4 +1,4 @@
-// Upright pose from one point and two VERTICAL lines (beyond the paper; design.md section 5).
+// Upright pose from one point and two VERTICAL lines (beyond the paper).
 //
 // A vertical line says nothing about yaw with a point, but two of them with a point do: in plan
 // they are three bearings to three known positions. Problem: a map point P seen along ray x; two

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include <Eigen/Geometry>
+
 #include "server/solvers/yaw_equation.h"
 
 namespace maploc {
@@ -32,20 +34,6 @@ int SolveUp2p(const Eigen::Vector3d& ray1, const Eigen::Vector3d& point1,
   WritePoseAtDepth(first, depth1, ray1, point1, &aligned_from_map[0]);
   WritePoseAtDepth(second, depth2, ray1, point1, &aligned_from_map[keep1]);
   return keep1 + keep2;
-}
-
-double Up2pConditioning(const Eigen::Vector3d& ray1, const Eigen::Vector3d& point1,
-                        const Eigen::Vector3d& ray2, const Eigen::Vector3d& point2) {
-  return YawConditioning(ray1.cross(ray2), point2 - point1);
-}
-
-int SolveUp2p(const Eigen::Vector3d& gravity_in_camera, const Eigen::Vector3d& ray1,
-              const Eigen::Vector3d& point1, const Eigen::Vector3d& ray2,
-              const Eigen::Vector3d& point2, Rigid3 camera_from_map[2]) {
-  return SolveWithGravity(gravity_in_camera, camera_from_map,
-                          [&](const auto& align, AlignedPose* out) {
-                            return SolveUp2p(align(ray1), point1, align(ray2), point2, out);
-                          });
 }
 
 }  // namespace maploc

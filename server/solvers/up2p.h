@@ -18,7 +18,6 @@
 
 #include <Eigen/Core>
 
-#include "mapstore/geometry/rigid3.h"
 #include "server/solvers/aligned.h"
 
 namespace maploc {
@@ -28,15 +27,5 @@ namespace maploc {
 int SolveUp2p(const Eigen::Vector3d& ray1, const Eigen::Vector3d& point1,
               const Eigen::Vector3d& ray2, const Eigen::Vector3d& point2,
               AlignedPose aligned_from_map[2]);
-
-// Conditioning w in [0, 1] of the pair (yaw_equation.h), before solving. 0 for equal rays or
-// points.
-double Up2pConditioning(const Eigen::Vector3d& ray1, const Eigen::Vector3d& point1,
-                        const Eigen::Vector3d& ray2, const Eigen::Vector3d& point2);
-
-// The gravity overload: rays in the camera, gravity a unit vector in the camera.
-int SolveUp2p(const Eigen::Vector3d& gravity_in_camera, const Eigen::Vector3d& ray1,
-              const Eigen::Vector3d& point1, const Eigen::Vector3d& ray2,
-              const Eigen::Vector3d& point2, Rigid3 camera_from_map[2]);
 
 }  // namespace maploc

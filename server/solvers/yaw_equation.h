@@ -1,4 +1,4 @@
-// The one equation behind every upright solver (design.md section 5):
+// The one equation behind every upright solver (README.md):
 //
 //   n . Rz(yaw) D = 0   <=>   A cos + B sin + C = 0
 //   A = nx Dx + ny Dy,  B = ny Dx - nx Dy,  C = nz Dz
@@ -43,17 +43,11 @@ inline double YawDiscriminant(const YawEquation& equation) {
   return equation.a * equation.a + equation.b * equation.b - equation.c * equation.c;
 }
 
-// Whether w, below, is at least `least`: the gate of a sample, without root and division.
+// Whether w = sqrt(discriminant) / (|n| |D|), in [0, 1], is at least `least`: the gate of a sample,
+// without root and division. False for a zero n or D.
 inline bool IsYawConditioned(const Eigen::Vector3d& n, const Eigen::Vector3d& d, double least) {
   const double scale2 = n.squaredNorm() * d.squaredNorm();
   return YawDiscriminant(MakeYawEquation(n, d)) >= least * least * scale2 && scale2 > 0;
-}
-
-// w in [0, 1]: 0 is degenerate, 1 is best. 0 for a zero n or D.
-inline double YawConditioning(const Eigen::Vector3d& n, const Eigen::Vector3d& d) {
-  const double scale2 = n.squaredNorm() * d.squaredNorm();
-  const double discriminant = YawDiscriminant(MakeYawEquation(n, d));
-  return scale2 > 0 ? std::sqrt(std::max(discriminant, 0.0) / scale2) : 0.0;
 }
 
 // A discriminant negative by rounding or by noise near a double root is taken as zero down to

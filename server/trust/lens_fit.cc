@@ -26,7 +26,6 @@ constexpr double kSmallestStep = 1e-4;
 constexpr double kLargestLogScale = 2.0;
 constexpr double kLargestDistortion = 5.0;
 constexpr int kLeastFeatures = 20;  // twice the unknowns
-constexpr double kLossScaleSigmas = 2.5;
 // More do not tell more than what the map's own errors allow.
 constexpr std::size_t kEnoughFeatures = 300;
 constexpr double kLeastNoisePx = 0.3;  // no keypoint is placed better

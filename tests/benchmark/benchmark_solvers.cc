@@ -10,6 +10,7 @@
 #include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
 #include <opengv/absolute_pose/methods.hpp>
 
+#include "mapstore/geometry/gravity.h"
 #include "server/solvers/batch.h"
 #include "server/solvers/p3p.h"
 #include "server/solvers/up1p1l.h"
@@ -25,7 +26,6 @@ constexpr int kProblems = 1024;
 
 // An aligned camera at `camera_from_map`; three points and two lines with their rays.
 struct Problem {
-  Eigen::Vector3d gravity;
   Eigen::Vector3d camera_rays[3];
   Eigen::Vector3d rays[3];  // aligned
   Eigen::Vector3d points[3];
@@ -41,9 +41,8 @@ std::vector<Problem> MakeProblems() {
   std::vector<Problem> problems(kProblems);
   for (Problem& problem : problems) {
     const Rigid3 camera_from_map = MakeCameraFromMap(Scene::kCube, random);
-    problem.gravity = GravityInCamera(camera_from_map.rotation);
     const Eigen::Matrix3d aligned_from_camera =
-        CameraFromAligned(problem.gravity).toRotationMatrix().transpose();
+        CameraFromAligned(GravityInCamera(camera_from_map.rotation)).toRotationMatrix().transpose();
     for (int i = 0; i < 3; ++i) {
       problem.points[i] = {random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1)};
       const Eigen::Vector3d seen = camera_from_map * problem.points[i];
@@ -93,17 +92,6 @@ void BM_Up2p(benchmark::State& state) {
   });
 }
 BENCHMARK(BM_Up2p);
-
-void BM_Up2pWithGravity(benchmark::State& state) {
-  Run(state, [](const Problem& p) {
-    Rigid3 poses[2];
-    const int count =
-        SolveUp2p(p.gravity, p.camera_rays[0], p.points[0], p.camera_rays[1], p.points[1], poses);
-    benchmark::DoNotOptimize(poses);
-    return count;
-  });
-}
-BENCHMARK(BM_Up2pWithGravity);
 
 void BM_Up1p1l(benchmark::State& state) {
   Run(state, [](const Problem& p) {

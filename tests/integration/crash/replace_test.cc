@@ -2,6 +2,7 @@
 // acknowledged is in the store that was acknowledged, and from the fault on robots are told.
 #include <atomic>
 #include <chrono>
+#include <list>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -32,6 +33,9 @@ struct Robot {
   };
   std::vector<End> acknowledged;
   Status refused;
+  // What the test waits for while the robot works.
+  std::atomic<int> sessions = 0;
+  std::atomic<bool> ended = false;
 
   Status WorkOneSession(const Client& client, const std::vector<Query>& queries) {
     MAPLOC_ASSIGN_OR_RETURN(const SessionId id, client.StartSession("street", "rover", {}));
@@ -44,6 +48,7 @@ struct Robot {
     MAPLOC_ASSIGN_OR_RETURN(const SessionSummary summary, client.EndSession(id));
     EXPECT_EQ(summary.queries, 3);
     acknowledged.push_back({summary, asked});
+    ++sessions;
     return Status::Ok();
   }
   void Work(const std::string& address, const std::vector<Query>& queries,
@@ -52,6 +57,7 @@ struct Robot {
     once.max_attempts = 1;
     const Client client(address, once);
     while (!stop && refused.ok()) refused = WorkOneSession(client, queries);
+    ended = true;
   }
 };
 
@@ -65,7 +71,7 @@ class ReplaceTest : public ::testing::Test {
     for (Robot& robot : robots_) {
       threads_.emplace_back([&] { robot.Work(address_, queries_, stop_); });
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(800));
+    WaitUntilEachHasEndedASession();
   }
   ~ReplaceTest() override { Join(); }
 
@@ -74,11 +80,18 @@ class ReplaceTest : public ::testing::Test {
     for (std::thread& thread : threads_) thread.join();
     threads_.clear();
   }
-  // After the fault, whose moment is now.
+  // One more than at this moment.
+  void WaitUntilEachHasEndedASession() {
+    for (const Robot& robot : robots_) {
+      const int before = robot.sessions;
+      EXPECT_TRUE(WaitFor([&] { return robot.sessions > before; }));
+    }
+  }
+  // A fault that ends every robot's work; its moment is when it has happened.
   void Fault(const std::function<void()>& fault) {
     fault();
     fault_ = std::chrono::steady_clock::now();
-    std::this_thread::sleep_for(std::chrono::milliseconds(800));
+    for (const Robot& robot : robots_) EXPECT_TRUE(WaitFor([&] { return robot.ended.load(); }));
     Join();
   }
   void ExpectAllTold(const std::string& reason) const {
@@ -130,7 +143,7 @@ class ReplaceTest : public ::testing::Test {
   const std::vector<Query> queries_;
   ServerProcess server_{folder_, {"--queue", "64", "--log-level", "warn"}};
   std::string address_;
-  std::vector<Robot> robots_ = std::vector<Robot>(kRobots);
+  std::list<Robot> robots_ = std::list<Robot>(kRobots);
   std::atomic<bool> stop_ = false;
   std::vector<std::thread> threads_;
   Moment fault_;
@@ -202,7 +215,9 @@ TEST_F(ReplaceTest, Deleted) {
 }
 
 TEST_F(ReplaceTest, RestoredInUseIsRefusedAndAfterwardsDone) {
-  Fault([&] { ExpectFailed(Restore(), "a maploc-server serves it"); });
+  ExpectFailed(Restore(), "a maploc-server serves it");
+  WaitUntilEachHasEndedASession();
+  Join();
   for (const Robot& robot : robots_) EXPECT_TRUE(robot.refused.ok()) << robot.refused.ToString();
   server_.Stop();
   ExpectVerifies(store_);
@@ -221,7 +236,8 @@ TEST_F(ReplaceTest, FullAndThenNoLonger) {
     const rlimit none{0, before.rlim_max};
     ASSERT_EQ(prlimit(server_.pid(), RLIMIT_FSIZE, &none, nullptr), 0);
   });
-  ExpectAllTold("STORE_IO");
+  ExpectAllTold("DISK_FULL");
+  EXPECT_THAT(robots_.front().refused.message(), HasSubstr("ulimit -f"));
   ASSERT_EQ(prlimit(server_.pid(), RLIMIT_FSIZE, &before, nullptr), 0);
   const Client client(address_);
   EXPECT_TRUE(WaitFor([&] { return client.StartSession("street", "rover", {}).ok(); }));

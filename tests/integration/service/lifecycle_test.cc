@@ -68,6 +68,12 @@ TEST_F(LifecycleTest, APortInUseIsAnError) {
   second.port_file.clear();
   second.store = folder_.File("another");
   EXPECT_EQ(Server::Start(second).status().reason(), "CANNOT_LISTEN");
+  for (const char* suffix : {"", "-wal", "-server"}) {
+    EXPECT_FALSE(std::filesystem::exists(second.store + suffix)) << suffix;
+  }
+  WriteFile(second.store, "");  // somebody's, and no store yet
+  EXPECT_EQ(Server::Start(second).status().reason(), "CANNOT_LISTEN");
+  EXPECT_EQ(ReadFile(second.store), "");
   EXPECT_TRUE(client_->Localize(QueryAt(2.0)).ok());
 }
 

@@ -1,4 +1,6 @@
 // A map from one store to another through a file.
+#include <sys/resource.h>
+
 #include "mapstore/store/schema.h"
 #include "mapstore/store/sqlite_database.h"
 #include "tests/integration/tools/maploc_map_fixture.h"
@@ -41,6 +43,21 @@ TEST_F(MaplocMap, AnImportedMapIsANewVersionAndNothingIsReplaced) {
   ASSERT_EQ(Map("import --store $STORE --from " + file).exit_code, 0);
   EXPECT_EQ(OpenSqliteStore(store_).value()->GetMap("yard")->info.key.version, before + 1);
   EXPECT_EQ(OpenSqliteStore(store_).value()->GetSession("s")->map.version, before);
+}
+
+// As `ulimit -f` sets it; a file system's largest file is the same to SQLite.
+TEST_F(MaplocMap, AtALimitOnFilesTheCauseAndTheCureAreNamed) {
+  const std::string file = folder_.File("yard.maploc");
+  ASSERT_EQ(Map("export --store $STORE --map yard --to " + file).exit_code, 0);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit small{40 * 1024, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const Output import = Map("import --store $STORE --from " + file);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  ExpectFailed(import, "ulimit -f");
+  EXPECT_THAT(import.error, ::testing::HasSubstr("raise the limit"));
+  EXPECT_EQ(Map("verify --store $STORE").exit_code, 0);
 }
 
 TEST_F(MaplocMap, AnImportLeavesItsFileAsItWas) {

@@ -267,14 +267,5 @@ TEST(MatchOptionsTest, TwinsOfAnotherLandmarkFailTheRatioAndOfTheSamePass) {
   EXPECT_EQ(same[0].ratio, 0.0f);
 }
 
-TEST(MatchOptionsTest, MaxDistanceBoundsTheBest) {
-  const DescriptorKind kind = Kind(DescriptorMetric::kHamming, 2);
-  const Descriptors query{kind, {0, 0}};
-  const Descriptors database{kind, {3, 0, 255, 255}};
-  const std::vector<std::int32_t> owner = {0, 1};
-  EXPECT_EQ(MatchDescriptors(query, database, owner, {.max_distance = 2}).size(), 1u);
-  EXPECT_TRUE(MatchDescriptors(query, database, owner, {.max_distance = 1}).empty());
-}
-
 }  // namespace
 }  // namespace maploc

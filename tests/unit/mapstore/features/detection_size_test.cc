@@ -47,6 +47,15 @@ TEST(DetectionSizeTest, KeepsTheShapeAndTheBound) {
   }
 }
 
+// A side that the detectors cannot take, though the pixels are few.
+TEST(DetectionSizeTest, ALongPanoramaIsReducedToTheLargestSide) {
+  EXPECT_EQ(DetectionSize({32768, 100}), (PixelSize{16384, 50}));
+  EXPECT_EQ(DetectionSize({100, 32768}), (PixelSize{50, 16384}));
+  EXPECT_EQ(DetectionPixel({32768, 100}), 2.0);
+  EXPECT_THAT(DescribeReduced(std::vector<PixelSize>{{32768, 100}}), HasSubstr("(32768x100 at"));
+  EXPECT_EQ(DetectionSize({65536, 65536}).width_px, 1959);
+}
+
 TEST(DetectionSizeTest, TellsHowManyPhotosFromWhichSizeToWhich) {
   EXPECT_EQ(DescribeReduced({}), "");
   const std::vector<PixelSize> photos = {{640, 480}, {4000, 3000}, {6000, 4000}};
@@ -134,7 +143,7 @@ TEST(LargePhotoTest, FeaturesAreBoundedAndInThePhotosOwnPixels) {
   EXPECT_GT(RightMost(points), 4000.0f);
   EXPECT_LT(TurnBias(points, DetectPoints(turned, orb, {1000})->keypoints_px).norm(), 0.1);
   const LineFeatures lines = *DetectLines(image);
-  EXPECT_LE(lines.size(), 1000);
+  EXPECT_LE(lines.size(), kMaxLines);
   EXPECT_GT(RightMost(lines.ends_px), 4000.0f);
   // LSD directs a line with its dark side, so that half a turn leaves starts starts.
   EXPECT_LT(TurnBias(lines.starts_px, DetectLines(turned)->starts_px).norm(), 0.2);

@@ -107,19 +107,18 @@ TEST(DetectLinesTest, FindsAnEdgeWhereItIs) {
   }
 }
 
-TEST(DetectLinesTest, LongestFirstInsideTheImageAndNoMoreThanAsked) {
+TEST(DetectLinesTest, LongestFirstAndInsideTheImage) {
   const GrayImage image = MakeImage(testing::TestRandom(), 500, 401, 150);
-  LineDetectionOptions options;
-  options.max_features = 25;
-  const LineFeatures lines = *DetectLines(image, options);
-  ASSERT_EQ(lines.size(), 25);
-  ASSERT_EQ(lines.descriptors.size(), 25);
+  const LineFeatures lines = *DetectLines(image);
+  ASSERT_GE(lines.size(), 25);
+  ASSERT_LE(lines.size(), kMaxLines);
+  ASSERT_EQ(lines.descriptors.size(), lines.size());
   EXPECT_EQ(lines.descriptors.kind.name, "lbd");
   float last = 1e9f;
-  for (std::size_t i = 0; i < 25; ++i) {
+  for (std::size_t i = 0; i < lines.starts_px.size(); ++i) {
     const float length = (lines.ends_px[i] - lines.starts_px[i]).norm();
     EXPECT_LE(length, last);
-    EXPECT_GE(length, options.min_length_px);
+    EXPECT_GE(length, kMinLineLengthPx);
     last = length;
     for (const Eigen::Vector2f& p : {lines.starts_px[i], lines.ends_px[i]}) {
       EXPECT_TRUE(p.x() >= 0 && p.y() >= 0 && p.x() <= 499 && p.y() <= 400);
@@ -155,6 +154,19 @@ TEST(DetectTest, TinyThinAndEmptyImagesAreNoTrouble) {
       }
     }
   }
+}
+
+TEST(DetectTest, APanoramaOfAnyWidthIsReduced) {
+  const GrayImage image = MakeImage(testing::TestRandom(), 20000, 150, 300);
+  const PointFeatures points = *DetectPoints(image, *DescriptorKindFromName("orb"));
+  const LineFeatures lines = *DetectLines(image);
+  ASSERT_GT(points.keypoints_px.size(), 100u);
+  ASSERT_GT(lines.size(), 100);
+  const auto right = [](const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
+    return a.x() < b.x();
+  };
+  EXPECT_GT(std::ranges::max(points.keypoints_px, right).x(), 17000.0f);
+  EXPECT_GT(std::ranges::max(lines.ends_px, right).x(), 17000.0f);
 }
 
 TEST(DetectTest, RefusesWhatIsNoImageAndWhatItCannotExtract) {

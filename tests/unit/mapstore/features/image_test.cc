@@ -68,6 +68,21 @@ TEST(LoadGrayImageTest, ACutPictureIsRefusedByName) {
   }
 }
 
+// Whole by its marks, so that only its size is wrong.
+TEST(LoadGrayImageTest, APictureOfTooManyPixelsIsRefusedWithSizeLimitAndCure) {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder.File("panorama.png");
+  cv::imwrite(path, Picture(CV_8UC1, 255));
+  std::string bytes = testing::ReadFile(path);
+  bytes.replace(16, 8, std::string("\x00\x00\x9c\x40\x00\x00\x75\x30", 8));
+  testing::WriteFile(path, bytes);
+  const std::string message = LoadGrayImage(path).status().message();
+  for (const std::string& part : {path, std::string("is 40000x30000 pixels"),
+                                  std::string("1,073,741,824"), std::string("-resize 50%")}) {
+    EXPECT_THAT(message, HasSubstr(part));
+  }
+}
+
 // Of whole files the end alone is read, of others as much as is needed.
 TEST(CheckWholeTest, SeesACutPictureWithoutDecodingIt) {
   const testing::TemporaryFolder folder;

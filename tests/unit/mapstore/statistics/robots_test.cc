@@ -39,13 +39,12 @@ struct ToldSession {
   std::vector<Observation> observations;
 };
 
-FleetComparison Compare(const std::vector<ToldSession>& told,
-                        const RobotComparisonOptions& options = {}) {
+FleetComparison Compare(const std::vector<ToldSession>& told) {
   std::vector<RobotSession> sessions;
   for (const ToldSession& s : told) {
     sessions.push_back({s.session, s.robot, s.start_unix_ns, s.observations});
   }
-  return CompareRobots(sessions, options);
+  return CompareRobots(sessions);
 }
 
 Observation Query(Random& random, int sequence, SegmentId segment, double ratio,
@@ -296,7 +295,7 @@ double SuccessOf(const ToldSession& session) {
 
 // The median of the nearest others', all of them sorted by distance in time and value.
 std::optional<double> OthersByDefinition(const std::vector<ToldSession>& sessions,
-                                         const ToldSession& own, std::size_t most) {
+                                         const ToldSession& own) {
   std::vector<std::pair<std::int64_t, double>> others;
   for (const ToldSession& s : sessions) {
     if (s.robot == own.robot) continue;
@@ -304,7 +303,8 @@ std::optional<double> OthersByDefinition(const std::vector<ToldSession>& session
   }
   if (others.empty()) return std::nullopt;
   std::sort(others.begin(), others.end());
-  others.resize(std::min(others.size(), most));
+  constexpr std::size_t kNearest = 10;  // robots.h
+  others.resize(std::min(others.size(), kNearest));
   std::vector<double> values;
   for (const auto& [distance, value] : others) values.push_back(value);
   std::sort(values.begin(), values.end());
@@ -316,14 +316,13 @@ TEST(Robots, AreSetBesideTheNearestSessionsOfOthers) {
   for (int repetition = 0; repetition < 500; ++repetition) {
     Random random = TestRandom(repetition);
     const std::vector<ToldSession> sessions = RandomFleet(random);
-    const std::uint32_t most = 1 + random.Below(12);
-    const FleetComparison fleet = Compare(sessions, {.max_references = most});
+    const FleetComparison fleet = Compare(sessions);
     for (std::size_t i = 0; i < sessions.size(); ++i) {
       std::optional<double> others;
       for (const RobotDifference& d : fleet.sessions[i].differences) {
         if (d.metric == RobotMetric::kSuccess) others = d.others;
       }
-      ASSERT_EQ(others, OthersByDefinition(sessions, sessions[i], most)) << TestSeed(repetition);
+      ASSERT_EQ(others, OthersByDefinition(sessions, sessions[i])) << TestSeed(repetition);
     }
   }
 }

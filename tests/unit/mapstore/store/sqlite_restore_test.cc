@@ -3,15 +3,17 @@
 #include <fstream>
 
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include "mapstore/store/restore.h"
 #include "mapstore/store/serve_lock.h"
+#include "tests/unit/mapstore/store/no_links.h"
 #include "tests/unit/mapstore/store/sqlite_store_fixture.h"
 
 namespace maploc::testing {
 namespace {
 
-using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 class SqliteRestoreTest : public SqliteStoreTest {
  protected:
@@ -87,6 +89,36 @@ TEST_F(SqliteRestoreTest, ALinkToTheStoreStaysALink) {
   ASSERT_TRUE(RestoreSqliteStore(link, backup_).ok());
   EXPECT_TRUE(std::filesystem::is_symlink(link));
   EXPECT_EQ(Open()->ListSessions()->size(), 1u);
+}
+
+TEST_F(SqliteRestoreTest, WithoutHardLinksItIsRestoredToo) {
+  const NoLinks vfat;
+  ExpectRestored();
+  std::filesystem::remove(path_);
+  ExpectRestored();
+}
+
+// The store's log cannot be set aside, because a folder has the name that it would get.
+class SqliteRestoreFailsTest : public SqliteRestoreTest {
+ protected:
+  SqliteRestoreFailsTest() {
+    WriteFile(path_ + "-wal", "");
+    std::filesystem::create_directories(path_ + ".replaced-" + std::to_string(getpid()) +
+                                        "-wal/stone");
+  }
+  const std::string link_ = folder_.File("link.db");
+};
+
+TEST_F(SqliteRestoreFailsTest, TheOldStoreStays) { ExpectRefused("RESTORE_FAILED", backup_); }
+
+TEST_F(SqliteRestoreFailsTest, TheOldStoreStaysWithoutLinksToo) {
+  const NoLinks vfat;
+  ExpectRefused("RESTORE_FAILED", backup_);
+}
+
+TEST_F(SqliteRestoreFailsTest, TheMessageNamesTheStoreAsTheUserDoes) {
+  std::filesystem::create_symlink(path_, link_);
+  EXPECT_THAT(RestoreSqliteStore(link_, backup_).status().message(), StartsWith(link_ + ": "));
 }
 
 TEST_F(SqliteRestoreTest, TheOldFilesPermissionsStay) {

@@ -160,6 +160,7 @@ TEST(BuildPoseProblemTest, SaysPixelsOfAVgaSizedImage) {
   const Scene scene(testing::TestRandom(), camera);
   const PoseProblem problem = BuildPoseProblem({}, scene.view, scene.segment, std::nullopt).problem;
   EXPECT_NEAR(problem.focal_length_px, 3000 / (std::hypot(3840, 2160) / 800), 1e-9);
+  EXPECT_NEAR(PixelScale(camera), std::hypot(3840, 2160) / 800, 1e-9);
 }
 
 TEST(BuildPoseProblemTest, TurnsGravityFromTheBodyIntoTheCamera) {

@@ -6,10 +6,9 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "server/solvers/up1p1l.h"
-#include "server/solvers/up2p.h"
 #include "tests/support/seed.h"
 #include "tests/unit/server/solvers/recovery.h"
+#include "tests/unit/server/solvers/with_gravity.h"
 
 namespace maploc::testing {
 namespace {
@@ -158,7 +157,7 @@ double OfUp2p(const Sample& s) {
 }
 double OfUp1p1l(const Sample& s) {
   const double off_line = std::abs(s.normal.normalized().dot(s.ray1.normalized()));
-  return std::min(off_line, Up1p1lConditioning(s.normal, s.direction));
+  return std::min(off_line, YawConditioning(s.normal, s.direction));
 }
 
 TEST_P(BatchOnTarget, Up2pAgreesWithTheScalarKernelAtEveryLength) {

@@ -6,6 +6,7 @@
 #include "tests/unit/server/solvers/paper_route.h"
 #include "tests/unit/server/solvers/recovery.h"
 #include "tests/unit/server/solvers/upright_scene.h"
+#include "tests/unit/server/solvers/with_gravity.h"
 
 namespace maploc::testing {
 namespace {
@@ -93,7 +94,7 @@ TEST(Up1p1l, HorizontalLinesAwayFromTheHorizonAreNotDegenerate) {
     sample.end_ray2 = scene.camera_from_map * sample.line2;
     const Eigen::Quaterniond aligned_from_camera =
         CameraFromAligned(scene.gravity_in_camera).conjugate();
-    if (Up1p1lConditioning(aligned_from_camera * sample.normal(), sample.direction()) < 0.05) {
+    if (YawConditioning(aligned_from_camera * sample.normal(), sample.direction()) < 0.05) {
       continue;
     }
     EXPECT_LT(SolvedError(scene, sample).rotation_rad, 1e-9) << "problem " << i;
@@ -126,7 +127,7 @@ TEST(Up1p1l, ScenesOfCentimetres) {
 TEST(Up1p1l, AVerticalLineGivesNoYaw) {
   const Eigen::Vector3d normal(0.5, 1, 0);  // aligned: a plane that holds the vertical
   const Eigen::Vector3d up(0, 0, 2);
-  EXPECT_EQ(Up1p1lConditioning(normal, up), 0);
+  EXPECT_EQ(YawConditioning(normal, up), 0);
   AlignedPose poses[2];
   EXPECT_EQ(SolveUp1p1l({1, 0, 0}, {3, 0, 0}, normal, {4, 1, 0}, up, poses), 0);
 }
@@ -134,7 +135,7 @@ TEST(Up1p1l, AVerticalLineGivesNoYaw) {
 TEST(Up1p1l, AHorizontalLineAtTheCamerasHeightIsDegenerate) {
   const Eigen::Vector3d normal(0, 0, 1);  // the horizon's plane
   const Eigen::Vector3d level(1, 2, 0);
-  EXPECT_EQ(Up1p1lConditioning(normal, level), 0);
+  EXPECT_EQ(YawConditioning(normal, level), 0);
 }
 
 TEST(Up1p1l, OnAWallSeenHeadOnLinesThroughTheFootOfTheAxisAreDegenerate) {
@@ -142,9 +143,9 @@ TEST(Up1p1l, OnAWallSeenHeadOnLinesThroughTheFootOfTheAxisAreDegenerate) {
   // 0).
   const Eigen::Vector3d foot(4, 0, 0);
   const Eigen::Vector3d slanted(0, 1, 1);
-  EXPECT_NEAR(Up1p1lConditioning(foot.cross(foot + slanted), slanted), 0, 1e-12);
+  EXPECT_NEAR(YawConditioning(foot.cross(foot + slanted), slanted), 0, 1e-12);
   const Eigen::Vector3d aside(4, 2, -1);
-  EXPECT_GT(Up1p1lConditioning(aside.cross(aside + slanted), slanted), 0.1);
+  EXPECT_GT(YawConditioning(aside.cross(aside + slanted), slanted), 0.1);
 }
 
 TEST(Up1p1l, APointOnTheImageLineHasNoDepth) {

@@ -7,6 +7,7 @@
 #include "tests/unit/server/solvers/paper_route.h"
 #include "tests/unit/server/solvers/recovery.h"
 #include "tests/unit/server/solvers/upright_scene.h"
+#include "tests/unit/server/solvers/with_gravity.h"
 
 namespace maploc::testing {
 namespace {
@@ -155,6 +156,20 @@ TEST(Up2p, EqualRaysOrEqualPointsHaveNoSolution) {
   EXPECT_EQ(SolveUp2p(gravity, ray, point, other, point, poses), 0);
   EXPECT_EQ(Up2pConditioning(ray, point, ray, Eigen::Vector3d(2, 2, 3)), 0);
   EXPECT_EQ(Up2pConditioning(ray, point, other, point), 0);
+}
+
+TEST(Up2p, TheGateOfASampleIsItsConditioning) {
+  Random random = TestRandom();
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d n = random.Uniform(0.1, 10) * RandomDirection(random);
+    const Eigen::Vector3d d = random.Uniform(0.1, 10) * RandomDirection(random);
+    const double w = YawConditioning(n, d);
+    if (w > 0.01) {
+      EXPECT_TRUE(IsYawConditioned(n, d, 0.999 * w));
+    }
+    EXPECT_FALSE(IsYawConditioned(n, d, 1.001 * w + 1e-6));
+  }
+  EXPECT_FALSE(IsYawConditioned(Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), 0.0));
 }
 
 TEST(Up2p, ConditioningSeesPointsAboveEachOther) {

@@ -1,4 +1,4 @@
-#include "client/robot/photo_header.h"
+#include "mapstore/features/photo_header.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

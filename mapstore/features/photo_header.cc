@@ -1,4 +1,4 @@
-#include "client/robot/photo_header.h"
+#include "mapstore/features/photo_header.h"
 
 #include <array>
 #include <cstdint>
