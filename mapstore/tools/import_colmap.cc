@@ -1,12 +1,13 @@
 #include "mapstore/tools/import_colmap.h"
 
 #include <chrono>
+#include <filesystem>
 #include <iostream>
+#include <system_error>
 
 #include <unistd.h>
 
 #include "mapstore/base/angles.h"
-#include "mapstore/base/path_kind.h"
 #include "mapstore/base/table.h"
 #include "mapstore/importers/colmap_importer.h"
 #include "mapstore/tools/output.h"
@@ -127,7 +128,10 @@ Status Import(const CommandContext& context, const Flags& flags) {
     return store.get();
   };
   // A store that is there is tried before the work; one that is not is made after it.
-  if (Exists(context.store_path)) MAPLOC_RETURN_IF_ERROR(open().status());
+  std::error_code error;
+  const bool exists = std::filesystem::exists(context.store_path, error);
+  if (error) return InvalidFile(context.store_path, error.message());
+  if (exists) MAPLOC_RETURN_IF_ERROR(open().status());
   MAPLOC_ASSIGN_OR_RETURN(const ColmapImportReport report,
                           ImportColmap(options, open, TerminalProgress()));
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;

@@ -49,9 +49,36 @@ Jacobian24 UndoByLens(const LensValues& lens, const Eigen::Vector2d& seen) {
 }
 
 struct TwoRows {
-  Eigen::Vector2d error;
+  Eigen::Vector2d error;                  // in the sent calibration's plane z = 1
   Eigen::Matrix<double, 2, 10> jacobian;  // by (w, d), lens
 };
+
+// What a small length in the true plane is in the sent one, about a feature (the mean over its
+// directions), and how it depends on the lens.
+struct Stretch {
+  double factor = 1.0;
+  Eigen::RowVector4d by_lens;
+};
+
+Stretch StretchAt(const LensValues& lens, const Eigen::Vector2d& seen) {
+  const Eigen::Vector2d u = seen - lens.segment<2>(1);
+  const double bent = 1.0 + 2.0 * lens(3) * u.squaredNorm();
+  Stretch stretch;
+  stretch.factor = std::exp(lens(0)) / bent;
+  stretch.by_lens << 1.0, 4.0 * lens(3) / bent * u.transpose(), -2.0 * u.squaredNorm() / bent;
+  stretch.by_lens *= stretch.factor;
+  return stretch;
+}
+
+// Errors are compared where the features were measured. In the true plane a longer lens makes all
+// of them smaller, so that noise alone would ask for one.
+void MeasureInSentPlane(const LensValues& lens, int row, const Eigen::Vector2d& seen,
+                        TwoRows* rows) {
+  const Stretch stretch = StretchAt(lens, seen);
+  rows->jacobian.row(row) *= stretch.factor;
+  rows->jacobian.row(row).tail<4>() += rows->error(row) * stretch.by_lens;
+  rows->error(row) *= stretch.factor;
+}
 
 bool MakeRows(const PoseMatrix& pose, const PointCorrespondence& seen, const LensValues& lens,
               TwoRows* rows) {
@@ -60,6 +87,7 @@ bool MakeRows(const PoseMatrix& pose, const PointCorrespondence& seen, const Len
   Jacobian26 by_pose;
   if (!PointReprojection(pose, point, &rows->error, &by_pose)) return false;
   rows->jacobian << by_pose, -UndoByLens(lens, seen.normalized);
+  for (int row = 0; row < 2; ++row) MeasureInSentPlane(lens, row, seen.normalized, rows);
   return true;
 }
 
@@ -76,6 +104,8 @@ bool MakeRows(const PoseMatrix& pose, const LineCorrespondence& seen, const Lens
   rows->jacobian.leftCols<6>() = by_pose;
   rows->jacobian.row(0).tail<4>() = normal.transpose() * UndoByLens(lens, seen.normalized.start);
   rows->jacobian.row(1).tail<4>() = normal.transpose() * UndoByLens(lens, seen.normalized.end);
+  MeasureInSentPlane(lens, 0, seen.normalized.start, rows);
+  MeasureInSentPlane(lens, 1, seen.normalized.end, rows);
   return true;
 }
 
@@ -145,7 +175,8 @@ bool LensFit::Fit(const LensValues& prior) {
   converged_ = false;
   for (int i = 0; i < kMaxSteps && !converged_; ++i) {
     const Equations equations = Sum();
-    if (equations.features < kLeastFeatures) return false;
+    features_ = equations.features;
+    if (features_ < kLeastFeatures) return false;
     const Vector10 step = Step(equations);
     if (!step.allFinite()) return false;
     pose_.rotation = Exp(step.head<3>()) * pose_.rotation;

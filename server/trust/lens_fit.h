@@ -2,8 +2,9 @@
 // has at u is truly at
 //     u' = (u - c) (1 + k |u - c|^2) / s,
 // s the true focal length over the sent one, c the principal point's error over the focal length, k
-// the radial distortion that is missing. Gauss-Newton over pose and (log s, c, k) with Cauchy's
-// weights; inliers are gathered anew at every step.
+// the radial distortion that is missing. Errors are measured in the sent plane, where the features
+// were found. Gauss-Newton over pose and (log s, c, k) with Cauchy's weights; inliers are gathered
+// anew at every step.
 #pragma once
 
 #include <cstddef>
@@ -36,6 +37,8 @@ class LensFit {
   // Whether the last fit ended. Otherwise it runs away: a flat, slightly bent map fits better the
   // longer the lens, and so does a picture from much farther away than its lens says.
   bool converged() const { return converged_; }
+  // Within the threshold at the last step of the last fit.
+  int features() const { return features_; }
 
   const LensValues& lens() const { return lens_; }
   const PoseMatrix& camera_from_moved_map() const { return pose_; }
@@ -60,6 +63,7 @@ class LensFit {
   LensValues lens_ = LensValues::Zero();
   LensValues prior_ = LensValues::Ones();
   bool converged_ = false;
+  int features_ = 0;
   const double threshold_;          // plane z = 1
   const double sigma_;              // plane z = 1, RefinedPose::feature_sigma_px
   const double noise_information_;  // how much more the features are worth by their noise alone
