@@ -21,7 +21,7 @@ struct FoldCheckpoint {
 };
 
 // One in `kRowsPerCheckpoint` rows has a checkpoint, and the last row: a session that ends after
-// later ones did costs at most that many rows more.
+// later ones did costs at most that many rows more. A checkpoint is of 192 bytes: three a row.
 inline constexpr std::int64_t kRowsPerCheckpoint = 64;
 inline bool IsKept(const SelectorState& state) {
   return state.sums.sessions % kRowsPerCheckpoint == 0;
@@ -42,4 +42,5 @@ Status DeleteCheckpoint(SqliteDatabase& database, std::int64_t map, SegmentId id
 // Those at `from` and after it: rows there have changed.
 Status DeleteCheckpointsFrom(SqliteDatabase& database, std::int64_t map, SegmentId id,
                              const FoldPosition& from);
+
 }  // namespace maploc

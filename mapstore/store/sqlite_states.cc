@@ -254,6 +254,8 @@ Result<SegmentState> DeriveAnew(SqliteDatabase& database, std::int64_t map, Segm
                                 const SelectorOptions& defaults, const FoldPosition& changed) {
   MAPLOC_RETURN_IF_ERROR(DeleteCheckpointsFrom(database, map, id, changed));
   MAPLOC_ASSIGN_OR_RETURN(const auto last, ReadLastCheckpoint(database, map, id));
+  // Where the last one is damaged, none before it is needed: all rows are folded.
+  if (!last) MAPLOC_RETURN_IF_ERROR(DeleteCheckpointsFrom(database, map, id, BeforeAllRows()));
   MAPLOC_ASSIGN_OR_RETURN(const auto rows,
                           ReadTrueRows(database, map, id, last ? last->position : BeforeAllRows()));
   std::vector<Pin> pins;

@@ -63,6 +63,35 @@ TEST_F(SqliteDamageTest, AMissingSegmentIsFound) {
   ExpectVerifyNames("count of segments");
 }
 
+// It is derived data: the next session folds all rows again, and what it writes is whole.
+TEST_F(SqliteDamageTest, ADamagedCheckpointIsNamedAndHealsWithTheNextSession) {
+  const MapKey key = GiveMap(*Open());
+  const auto end_session = [&](const std::string& id) {
+    const auto store = Open();
+    ASSERT_TRUE(store->StartSession(OpenSession(id, key)).ok());
+    ASSERT_TRUE(store->EndSession(id, SessionEnd::kByRobot, 5000, std::vector{Seen(1, 1)}).ok());
+  };
+  end_session("first");
+  end_session("second");
+  Execute("UPDATE segment_folds SET state = zeroblob(length(state))");
+  ExpectVerifyNames("segment 1: a checkpoint of its statistics is damaged");
+  end_session("third");
+  const auto store = Open();
+  EXPECT_EQ(store->GetSegment(key, 1)->statistics.sessions, 3);
+  EXPECT_TRUE(store->Verify().ok()) << store->Verify().ToString();
+}
+
+TEST_F(SqliteDamageTest, ACheckpointElsewhereIsFound) {
+  const MapKey key = GiveMap(*Open());
+  {
+    const auto store = Open();
+    ASSERT_TRUE(store->StartSession(OpenSession("s", key)).ok());
+    ASSERT_TRUE(store->EndSession("s", SessionEnd::kByRobot, 5000, std::vector{Seen(1, 1)}).ok());
+  }
+  Execute("UPDATE segment_folds SET start_unix_ns = start_unix_ns + 1");
+  ExpectVerifyNames("a checkpoint differs from its sessions' rows");
+}
+
 TEST_F(SqliteDamageTest, TamperedStatisticsAreFound) {
   {
     const auto store = Open();
