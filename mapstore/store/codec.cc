@@ -1,11 +1,10 @@
 #include "mapstore/store/codec.h"
 
 #include <array>
-#include <bit>
 #include <string>
-#include <type_traits>
 
 #include "mapstore/base/random.h"
+#include "mapstore/store/little_endian.h"
 
 namespace maploc {
 namespace {
@@ -15,30 +14,10 @@ Status Damaged(std::string_view field, const std::string& message) {
 }
 
 template <typename T>
-using BitsOf = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
-
-template <typename T>
-void Append(T value, Blob& blob) {
-  const auto bits = std::bit_cast<BitsOf<T>>(value);
-  for (std::size_t byte = 0; byte < sizeof(T); ++byte) {
-    blob.push_back(static_cast<std::uint8_t>(bits >> (8 * byte)));
-  }
-}
-
-template <typename T>
-T Read(const std::uint8_t* bytes) {
-  BitsOf<T> bits = 0;
-  for (std::size_t byte = 0; byte < sizeof(T); ++byte) {
-    bits |= static_cast<BitsOf<T>>(bytes[byte]) << (8 * byte);
-  }
-  return std::bit_cast<T>(bits);
-}
-
-template <typename T>
 Blob Encode(std::span<const T> values) {
   Blob blob;
   blob.reserve(values.size() * sizeof(T));
-  for (const T value : values) Append(value, blob);
+  for (const T value : values) AppendLittleEndian(value, blob);
   return blob;
 }
 
@@ -48,20 +27,22 @@ Blob EncodeViewing(std::span<const ViewingRange> viewing) {
   Blob blob;
   blob.reserve(viewing.size() * kFloatsOfView * sizeof(float));
   for (const ViewingRange& range : viewing) {
-    for (int axis = 0; axis < 3; ++axis) Append(range.toward_cameras_in_map[axis], blob);
-    Append(range.max_angle_rad, blob);
-    Append(range.min_distance, blob);
-    Append(range.max_distance, blob);
+    for (int axis = 0; axis < 3; ++axis)
+      AppendLittleEndian(range.toward_cameras_in_map[axis], blob);
+    AppendLittleEndian(range.max_angle_rad, blob);
+    AppendLittleEndian(range.min_distance, blob);
+    AppendLittleEndian(range.max_distance, blob);
   }
   return blob;
 }
 
 void AppendVector(const Eigen::Vector3d& vector, Blob& blob) {
-  for (int axis = 0; axis < 3; ++axis) Append(vector[axis], blob);
+  for (int axis = 0; axis < 3; ++axis) AppendLittleEndian(vector[axis], blob);
 }
 
 Eigen::Vector3d ReadVector(const std::uint8_t* bytes) {
-  return {Read<double>(bytes), Read<double>(bytes + 8), Read<double>(bytes + 16)};
+  return {ReadLittleEndian<double>(bytes), ReadLittleEndian<double>(bytes + 8),
+          ReadLittleEndian<double>(bytes + 16)};
 }
 
 // Before anything is allocated: the bytes are there.
@@ -80,7 +61,7 @@ Result<std::vector<T>> Decode(std::span<const std::uint8_t> bytes, std::int64_t 
   MAPLOC_RETURN_IF_ERROR(CheckLength(field, bytes.size(), count, sizeof(T)));
   std::vector<T> values(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = Read<T>(bytes.data() + i * sizeof(T));
+    values[i] = ReadLittleEndian<T>(bytes.data() + i * sizeof(T));
   }
   return values;
 }
@@ -94,7 +75,7 @@ Result<std::vector<ViewingRange>> DecodeViewing(const FeatureBlobs& blobs, std::
   for (std::size_t i = 0; i < viewing.size(); ++i) {
     std::array<float, kFloatsOfView> numbers;
     for (std::size_t k = 0; k < numbers.size(); ++k) {
-      numbers[k] = Read<float>(blobs.viewing.data() + i * kWidth + k * sizeof(float));
+      numbers[k] = ReadLittleEndian<float>(blobs.viewing.data() + i * kWidth + k * sizeof(float));
     }
     viewing[i] = {Eigen::Vector3f(numbers.data()), numbers[3], numbers[4], numbers[5]};
   }

@@ -1,12 +1,11 @@
 #include "mapstore/store/sqlite_folds.h"
 
-#include <bit>
 #include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
 
 #include "mapstore/base/random.h"
+#include "mapstore/store/little_endian.h"
 
 namespace maploc {
 namespace {
@@ -28,41 +27,14 @@ void ForEachNumber(State& state, const Visitor& visit) {
   visit(state.previous), visit(state.current);
 }
 
-template <typename T>
-std::uint64_t BitsOf(T value) {
-  if constexpr (std::is_same_v<T, double>) return std::bit_cast<std::uint64_t>(value);
-  return static_cast<std::uint64_t>(value);
-}
-
-template <typename T>
-void SetBits(std::uint64_t bits, T& value) {
-  if constexpr (std::is_same_v<T, double>) {
-    value = std::bit_cast<double>(bits);
-  } else {
-    value = static_cast<T>(bits);
-  }
-}
-
-void Append(std::uint64_t bits, Bytes& bytes) {
-  for (int shift = 0; shift < 64; shift += 8) {
-    bytes.push_back(static_cast<std::uint8_t>(bits >> shift));
-  }
-}
-
-std::uint64_t NumberAt(std::span<const std::uint8_t> bytes, std::size_t at) {
-  std::uint64_t bits = 0;
-  for (std::size_t i = 0; i < 8; ++i) bits |= static_cast<std::uint64_t>(bytes[at + i]) << (8 * i);
-  return bits;
-}
-
 std::uint64_t HashOf(std::span<const std::uint8_t> bytes) {
   return HashBytes(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
 Bytes Encode(const SelectorState& state) {
   Bytes bytes;
-  ForEachNumber(state, [&](const auto& number) { Append(BitsOf(number), bytes); });
-  Append(HashOf(bytes), bytes);
+  ForEachNumber(state, [&](const auto& number) { AppendLittleEndian(number, bytes); });
+  AppendLittleEndian(HashOf(bytes), bytes);
   return bytes;
 }
 
@@ -70,12 +42,14 @@ std::optional<SelectorState> Decode(std::span<const std::uint8_t> bytes) {
   static const std::size_t size = Encode({}).size();
   if (bytes.size() != size) return std::nullopt;
   const std::size_t hash_at = size - sizeof(std::uint64_t);
-  if (HashOf(bytes.first(hash_at)) != NumberAt(bytes, hash_at)) return std::nullopt;
+  if (HashOf(bytes.first(hash_at)) != ReadLittleEndian<std::uint64_t>(&bytes[hash_at])) {
+    return std::nullopt;
+  }
   SelectorState state;
-  std::size_t at = 0;
-  ForEachNumber(state, [&](auto& number) {
-    SetBits(NumberAt(bytes, at), number);
-    at += sizeof(std::uint64_t);
+  const std::uint8_t* next = bytes.data();
+  ForEachNumber(state, [&]<typename T>(T& number) {
+    number = ReadLittleEndian<T>(next);
+    next += sizeof(T);
   });
   return state;
 }
