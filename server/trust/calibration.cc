@@ -27,13 +27,14 @@ const LensValues kUsual(0.008, 0.008, 0.008, 0.016);
 constexpr double kMaxDistance2 = 30.0;
 // From here on, one in a hundred, another lens is not known but suspected.
 constexpr double kSuspectedDistance2 = 13.3;
-// Of the support. True lenses, by far the most: 4% (tourists' photos of a flat front), 5% (a wall
-// with errors of depth); a focal length 2% off before a court of depth: 10% (MEASUREMENTS.md).
+// Of the support. True lenses gain at most 4% (tourists' photos of a flat front) and 5% (a wall
+// with errors of depth); a focal length 2% off before a court of depth gains 10% (MEASUREMENTS.md).
 constexpr double kClearGain = 0.06;
-// Of a fit that does not end. True lenses three times as long as sent and more, in front of a
-// hand-held sheet: 0.23 at least.
+// Of a fit that does not end. Lenses that are truly three times as long as sent and more gain at
+// least 23% before a sheet tilted by half a radian (MEASUREMENTS.md).
 constexpr double kRunawayGain = 0.16;
-// Where all of a lens is open and the focal length with it, a bent sheet may be any.
+// The matches determine the focal length up to this standard deviation. Beyond it, all values of a
+// lens together fit a sheet that the map has bent, and mean nothing.
 constexpr double kMostFocalSigma = 0.1;
 // A flat front leaves little to gain by any lens: there a focal length is beyond doubt where it is
 // four standard deviations off, of its own and of what a map's bends make of one (2%). True lenses:
@@ -68,9 +69,10 @@ double Distance2(const Found& found) {
 
 // What is told of the focal length. An error in a landmark's depth looks like relief, and relief is
 // what a focal length is seen by: an error that moves the projection by e adds e^2 to the
-// information, and pulls towards a longer lens. If all residuals come of depths, two a feature as
-// large as the noise, this much of the focal length is made of them. What contradicts the sent lens
-// is decided without it: else 13 more wrong answers of 1440 under a wrong calibration.
+// information, and pulls towards a longer lens. If all residuals (two a feature, as large as the
+// noise) come from depths, they make this much of the focal length. What contradicts the sent lens
+// is decided without this bound: with it 13 more of 1440 answers under a wrong calibration are
+// wrong (MEASUREMENTS.md).
 double ToldSigma(const Found& found) {
   const double variance = found.covariance(0, 0);
   return std::hypot(std::sqrt(variance), 2.0 * static_cast<double>(found.features) * variance);
