@@ -153,7 +153,7 @@ class Reader {
     const auto columns = static_cast<std::size_t>(block.cols);
     const std::string learned = LearnedFeatures(row, 8);
     Descriptors& descriptors = features.points.descriptors;
-    if (!learned.empty() || AreUnitVectors(bytes, columns)) {
+    if (block.rows > 0 && (!learned.empty() || AreUnitVectors(bytes, columns))) {
       MAPLOC_ASSIGN_OR_RETURN(descriptors, FromFloats(bytes, columns, learned, features));
     } else {
       descriptors.bytes.assign(bytes.begin(), bytes.end());

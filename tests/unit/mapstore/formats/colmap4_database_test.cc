@@ -106,6 +106,16 @@ TEST_F(Colmap4DatabaseTest, WhatIsNoLearnedDescriptorIsToldByItsRow) {
   EXPECT_THAT(Error(), HasSubstr("'unit8' is unknown"));
 }
 
+TEST_F(Colmap4DatabaseTest, AnImageInWhichNothingWasLearnedHasNoFeatures) {
+  AddLearned("2", 30, 128);
+  AddImage(2, "right.jpg", {}, 2, 0, 0);
+  Execute("UPDATE descriptors SET type = 2");
+  const auto database = ReadColmapDatabase(path_);
+  ASSERT_TRUE(database.ok()) << database.status().ToString();
+  EXPECT_EQ(database->at("right.jpg").points.descriptors.size(), 0);
+  EXPECT_EQ(database->at("left.jpg").points.descriptors.size(), 30);
+}
+
 // One program's SIFT and another's learned features in one database.
 TEST_F(Colmap4DatabaseTest, LearnedAndOtherFeaturesTogetherAreRefused) {
   AddLearned("2", 30, 128);
