@@ -1,5 +1,5 @@
-// What a path names, as far as this process may see: false where it may not, or where the name is
-// too long for a file. (std::filesystem's own throw then.) Links are followed. Thread-safe.
+// What a path names. False, too, where this process may not look, or where the name is too long for
+// a file: the functions of std::filesystem throw in these cases. Links are followed. Thread-safe.
 #pragma once
 
 #include <string>

@@ -88,8 +88,8 @@ Result<GrayImage> LoadGrayImage(const std::string& path) {
   cv::Mat decoded;
   try {
     decoded = Decode(path);
-  } catch (
-      const cv::Exception& error) {  // OpenCV's bound, in a format of which only it knows the size
+  } catch (const cv::Exception& error) {  // too many pixels, in a format that CheckDecodedSize
+                                          // does not read
     return InvalidFile(path, "cannot be decoded: " + error.err);
   }
   if (decoded.empty()) return InvalidFile(path, "is not an image that OpenCV can read");
