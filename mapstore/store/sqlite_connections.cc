@@ -77,6 +77,7 @@ SqliteConnections::~SqliteConnections() {
 // folded the log meanwhile, the next commit looks again and folds.
 void SqliteConnections::FoldLog() {
   if (log_pages_ < kFoldLogAtPages || !identity_->IsUnchanged()) return;
+  const auto no_looks = identity_->HoldLooks();
   // What cannot be folded now stays in the log, and the next commit tries again.
   static_cast<void>(writer_.Execute("PRAGMA wal_checkpoint(PASSIVE)"));
 }

@@ -36,6 +36,8 @@ class SqliteIdentity {
   Status Check(SqliteDatabase& database);
   // Whether the file is as the last good Check saw it.
   bool IsUnchanged();
+  // Until it is released no look is taken at the file's content: half of a checkpoint is no store.
+  [[nodiscard]] std::unique_lock<std::mutex> HoldLooks() { return std::unique_lock(looks_mutex_); }
 
   // What the checks have found so far.
   enum class State {
@@ -64,10 +66,11 @@ class SqliteIdentity {
   bool IsSame(const Stat& now) const;
   Status CheckContent(SqliteDatabase& database, const Stat& now);
   // Nullopt: could not be read in several attempts.
-  std::optional<std::int64_t> StampNow() const;
+  std::optional<std::int64_t> StampNow();
 
   const std::string path_;  // as it was opened, links and all
   std::atomic<State> state_ = State::kGood;
+  std::mutex looks_mutex_;  // taken after mutex_
   std::mutex mutex_;
   Status failed_;
   Stat file_{};                        // at the last good look at its content
