@@ -21,12 +21,28 @@ StatisticsFold::StatisticsFold(const StatisticsOptions& options, const Statistic
 
 bool StatisticsFold::IsChange(const SegmentSessionRow& row) const {
   return std::any_of(kChangeKinds.begin(), kChangeKinds.end(), [&](ChangeKind kind) {
-    return IsChanged(sums_.shares[IndexOf(kind)], ProportionOf(kind, row, options_));
+    return IsChanged(sums_.shares[IndexOf(kind)], ProportionOf(kind, row, options_),
+                     sums_.scatters[IndexOf(kind)]);
   });
 }
 
+void StatisticsFold::AddScatter(const SegmentSessionRow& row) {
+  for (const ChangeKind kind : kChangeKinds) {
+    sums_.scatters[IndexOf(kind)].Add(sums_.shares[IndexOf(kind)],
+                                      ProportionOf(kind, row, options_));
+  }
+}
+
+void StatisticsFold::Age() {
+  Discount(decay_);
+  for (Scatter& scatter : sums_.scatters) scatter = {scatter.sum * decay_, scatter.weight * decay_};
+}
+
 void StatisticsFold::Discount(double factor) {
-  for (Proportion& share : sums_.shares) Scale(factor, share);
+  for (SessionShares& sum : sums_.shares) {
+    Scale(factor, sum.share);
+    sum.sessions *= factor;
+  }
   Scale(factor, sums_.usable_lines);
   Scale(factor, sums_.vertical_lines);
   for (double* medians :
@@ -36,8 +52,10 @@ void StatisticsFold::Discount(double factor) {
 }
 
 void StatisticsFold::Add(const SegmentSessionRow& row) {
-  Discount(decay_);
-  if (IsChange(row)) Discount(options_.change_discount);
+  Age();
+  const bool is_change = IsChange(row);
+  AddScatter(row);
+  if (is_change) Discount(options_.change_discount);
   ++sums_.sessions;
   sums_.queries += row.queries;
   sums_.localized += row.localized;
@@ -54,8 +72,8 @@ void StatisticsFold::Add(const SegmentSessionRow& row) {
 }
 
 SegmentStatistics StatisticsFold::Value() const {
-  const Proportion& points = sums_.shares[IndexOf(ChangeKind::kPoints)];
-  const Proportion& success = sums_.shares[IndexOf(ChangeKind::kSuccess)];
+  const Proportion& points = sums_.shares[IndexOf(ChangeKind::kPoints)].share;
+  const Proportion& success = sums_.shares[IndexOf(ChangeKind::kSuccess)].share;
   SegmentStatistics value;
   value.sessions = sums_.sessions;
   value.queries = sums_.queries;

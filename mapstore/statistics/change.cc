@@ -3,24 +3,45 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
-
-#include "mapstore/base/median.h"
 
 namespace maploc {
 namespace {
 
-constexpr double kZ99 = 2.5758293035489004;  // two-sided 99% of the normal distribution
-constexpr double kMinSplitDeviation = 4.0;
+constexpr double kZ999 = 3.2905267314918946;  // two-sided 99.9% of the normal distribution
+constexpr double kMinSplitDeviation = 4.3;
+constexpr double kUsualScatter = 0.02;  // a standard deviation of .07 about a half
+constexpr double kUsualScatterWeight = 4.0;
 
 double Number(std::int64_t count) { return static_cast<double>(count); }
 
 double Trials(const Proportion& share) { return std::min(share.total, share.independent); }
 
+// A difference of two shares with mean m, and its variance by cause, divided by m (1 - m).
+struct Difference {
+  double difference = 0.0;
+  double unit = 0.0;      // m (1 - m)
+  double counting = 0.0;  // the variance of both counts
+  double sessions = 0.0;  // what a scatter of 1 would add
+
+  double Squared() const { return difference * difference / unit; }
+  double Variance(double scatter) const { return counting + scatter * sessions; }
+};
+
+std::optional<Difference> Compare(const SessionShares& before, const SessionShares& after) {
+  const double n = Trials(before.share);
+  const double m = Trials(after.share);
+  if (n <= 0.0 || m <= 0.0) return std::nullopt;
+  const double low = before.share.good / before.share.total;
+  const double high = after.share.good / after.share.total;
+  const double mean = (low * n + high * m + 0.5) / (n + m + 1.0);
+  return Difference{high - low, mean * (1.0 - mean), 1.0 / n + 1.0 / m,
+                    1.0 / before.sessions + 1.0 / after.sessions};
+}
+
 // Sums of the first n sessions' shares, n from 0.
-std::vector<Proportion> PrefixSums(ChangeKind kind, std::span<const SegmentSessionRow> rows,
-                                   const StatisticsOptions& options) {
-  std::vector<Proportion> sums(1);
+std::vector<SessionShares> PrefixSums(ChangeKind kind, std::span<const SegmentSessionRow> rows,
+                                      const StatisticsOptions& options) {
+  std::vector<SessionShares> sums(1);
   for (const SegmentSessionRow& row : rows) {
     sums.push_back(sums.back());
     AddTo(sums.back(), ProportionOf(kind, row, options));
@@ -28,45 +49,25 @@ std::vector<Proportion> PrefixSums(ChangeKind kind, std::span<const SegmentSessi
   return sums;
 }
 
-Proportion Between(const std::vector<Proportion>& sums, std::size_t begin, std::size_t end) {
-  return {sums[end].good - sums[begin].good, sums[end].total - sums[begin].total,
-          sums[end].independent - sums[begin].independent};
+SessionShares Between(const std::vector<SessionShares>& sums, std::size_t begin, std::size_t end) {
+  const Proportion& last = sums[end].share;
+  const Proportion& first = sums[begin].share;
+  return {{last.good - first.good, last.total - first.total, last.independent - first.independent},
+          sums[end].sessions - sums[begin].sessions};
 }
 
-// Variance of a session's share beside its neighbours', by the median of their squared differences:
-// the few that straddle a change hardly move it. The expected square is twice the variance, the
-// median 0.455 of the expected one (chi-square of one degree of freedom).
-double SessionScatter(ChangeKind kind, std::span<const SegmentSessionRow> rows,
-                      const StatisticsOptions& options) {
-  std::vector<double> squares;
-  std::optional<double> previous;
+// Of each session beside the one before it: across a change only two neighbours differ.
+Scatter ScatterOfNeighbours(ChangeKind kind, std::span<const SegmentSessionRow> rows,
+                            const StatisticsOptions& options) {
+  Scatter scatter;
+  SessionShares previous;
   for (const SegmentSessionRow& row : rows) {
     const Proportion share = ProportionOf(kind, row, options);
     if (Trials(share) <= 0.0) continue;
-    const double ratio = share.good / share.total;
-    if (previous) squares.push_back((ratio - *previous) * (ratio - *previous));
-    previous = ratio;
+    scatter.Add(previous, share);
+    previous = {share, 1.0};
   }
-  if (squares.empty()) return 0.0;
-  return UpperMedian(std::move(squares)) / (2.0 * 0.455);
-}
-
-// The sessions from `begin` to `at` against those from there to `end`, in standard deviations: of
-// the counts about the mean of both (Jeffreys'), or of the sessions' scatter, whichever is larger.
-double DeviationBetween(const std::vector<Proportion>& sums, std::size_t begin, std::size_t at,
-                        std::size_t end, double scatter) {
-  const Proportion before = Between(sums, begin, at);
-  const Proportion after = Between(sums, at, end);
-  const double n = Trials(before);
-  const double m = Trials(after);
-  if (n <= 0.0 || m <= 0.0) return 0.0;
-  const double low = before.good / before.total;
-  const double high = after.good / after.total;
-  const double mean = (low * n + high * m + 0.5) / (n + m + 1.0);
-  const double of_counts = mean * (1.0 - mean) * (1.0 / n + 1.0 / m);
-  const double of_sessions =
-      scatter * (1.0 / static_cast<double>(at - begin) + 1.0 / static_cast<double>(end - at));
-  return (high - low) / std::sqrt(std::max(of_counts, of_sessions));
+  return scatter;
 }
 
 struct Split {
@@ -74,11 +75,11 @@ struct Split {
   double deviation = 0.0;
 };
 
-Split BestSplit(const std::vector<Proportion>& sums, std::size_t begin, std::size_t end,
+Split BestSplit(const std::vector<SessionShares>& sums, std::size_t begin, std::size_t end,
                 double scatter) {
   Split best;
   for (std::size_t at = begin + 1; at < end; ++at) {
-    const double deviation = DeviationBetween(sums, begin, at, end, scatter);
+    const double deviation = Deviation(Between(sums, begin, at), Between(sums, at, end), scatter);
     if (std::abs(deviation) > std::abs(best.deviation)) best = {at, deviation};
   }
   return best;
@@ -86,15 +87,15 @@ Split BestSplit(const std::vector<Proportion>& sums, std::size_t begin, std::siz
 
 std::optional<ChangePoint> LastChange(ChangeKind kind, std::span<const SegmentSessionRow> rows,
                                       const StatisticsOptions& options) {
-  const std::vector<Proportion> sums = PrefixSums(kind, rows, options);
-  const double scatter = SessionScatter(kind, rows, options);
+  const std::vector<SessionShares> sums = PrefixSums(kind, rows, options);
+  const double scatter = ScatterOfNeighbours(kind, rows, options).Value();
   std::optional<ChangePoint> change;
   std::size_t begin = 0;
   while (true) {
     const Split split = BestSplit(sums, begin, rows.size(), scatter);
     if (std::abs(split.deviation) < kMinSplitDeviation) return change;
-    const Proportion before = Between(sums, begin, split.at);
-    const Proportion after = Between(sums, split.at, rows.size());
+    const Proportion before = Between(sums, begin, split.at).share;
+    const Proportion after = Between(sums, split.at, rows.size()).share;
     change = {kind,
               rows[split.at].session,
               rows[split.at].session_start_unix_ns,
@@ -108,19 +109,41 @@ std::optional<ChangePoint> LastChange(ChangeKind kind, std::span<const SegmentSe
 
 }  // namespace
 
-bool IsChanged(const Proportion& old, const Proportion& fresh) {
-  const double old_count = Trials(old);
-  const double count = Trials(fresh);
-  if (old_count <= 0.0 || count <= 0.0) return false;
-  const double mean = (old.good / old.total * old_count + 0.5) / (old_count + 1.0);
-  const double variance = mean * (1.0 - mean) * (1.0 / old_count + 1.0 / count);
-  return std::abs(fresh.good / fresh.total - mean) > kZ99 * std::sqrt(variance);
+double Scatter::Value() const {
+  return std::clamp((sum + kUsualScatterWeight * kUsualScatter) / (weight + kUsualScatterWeight),
+                    0.0, 1.0);
+}
+
+void Scatter::Add(const SessionShares& old, const Proportion& fresh) {
+  const auto difference = Compare(old, {fresh, 1.0});
+  if (!difference) return;
+  const double tolerated = kZ999 * kZ999 * difference->Variance(Value());
+  const double squared = std::min(difference->Squared(), tolerated);
+  // How much of a usual squared difference is scatter; the variance of the rest is its square.
+  const double part = kUsualScatter * difference->sessions / difference->Variance(kUsualScatter);
+  sum += part * part * (squared - difference->counting) / difference->sessions;
+  weight += part * part;
+}
+
+double Deviation(const SessionShares& before, const SessionShares& after, double scatter) {
+  const auto difference = Compare(before, after);
+  if (!difference) return 0.0;
+  return difference->difference / std::sqrt(difference->unit * difference->Variance(scatter));
+}
+
+bool IsChanged(const SessionShares& old, const Proportion& fresh, const Scatter& scatter) {
+  return std::abs(Deviation(old, {fresh, 1.0}, scatter.Value())) > kZ999;
 }
 
 void AddTo(Proportion& sum, const Proportion& share) {
   sum.good += share.good;
   sum.total += share.total;
   sum.independent += Trials(share);
+}
+
+void AddTo(SessionShares& sum, const Proportion& share) {
+  AddTo(sum.share, share);
+  sum.sessions += Trials(share) > 0.0 ? 1.0 : 0.0;
 }
 
 std::string_view ChangeKindName(ChangeKind kind) {

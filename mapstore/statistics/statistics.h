@@ -25,7 +25,8 @@ struct StatisticsSums {
   std::int64_t queries = 0;
   std::int64_t localized = 0;
   // All else is weighted by age.
-  std::array<Proportion, kChangeKinds.size()> shares;  // by kind
+  std::array<SessionShares, kChangeKinds.size()> shares;  // by kind
+  std::array<Scatter, kChangeKinds.size()> scatters;  // by kind; a change leaves them as they are
   Proportion usable_lines;
   Proportion vertical_lines;
   // Sums of (weight x localized queries x a session's median); the means are these by the
@@ -49,8 +50,10 @@ class StatisticsFold {
   SegmentStatistics Value() const;
 
  private:
+  void Age();
   // Whether `row` disagrees with the sum so far.
   bool IsChange(const SegmentSessionRow& row) const;
+  void AddScatter(const SegmentSessionRow& row);
   void Discount(double factor);
 
   StatisticsOptions options_;

@@ -9,9 +9,9 @@ namespace maploc {
 struct StatisticsOptions {
   double half_life_sessions = 20.0;  // a session this much older counts half; positive
   // A session signals a change if its own inlier ratio (of points, or of lines), or its own share
-  // of localized queries, lies outside the 99% interval that the older sessions predict for it. The
-  // older sessions then keep this share of their weight. In [0, 1]; 1 turns it off.
-  double change_discount = 0.02;
+  // of localized queries, lies outside the 99.9% interval that the older sessions predict for it.
+  // The older sessions then keep this share of their weight. In [0, 1]; 1 turns it off.
+  double change_discount = 0.002;
   // How many independent matches a localized query is worth, at most, and how many independent
   // queries a session. The matches of one view are correlated, and so are the views of one session
   // (one light, one season). If they counted as independent, every session would look like a change

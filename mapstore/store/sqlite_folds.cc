@@ -20,7 +20,8 @@ void ForEachNumber(State& state, const Visitor& visit) {
   const auto visit_proportion = [&](auto& share) {
     visit(share.good), visit(share.total), visit(share.independent);
   };
-  for (auto& share : sums.shares) visit_proportion(share);
+  for (auto& sum : sums.shares) visit_proportion(sum.share), visit(sum.sessions);
+  for (auto& scatter : sums.scatters) visit(scatter.sum), visit(scatter.weight);
   visit_proportion(sums.usable_lines);
   visit_proportion(sums.vertical_lines);
   visit(sums.point_medians), visit(sums.usable_line_medians), visit(sums.vertical_line_medians);

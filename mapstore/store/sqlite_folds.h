@@ -21,7 +21,7 @@ struct FoldCheckpoint {
 };
 
 // One in `kRowsPerCheckpoint` rows has a checkpoint, and the last row: a session that ends after
-// later ones did costs at most that many rows more. A state is 184 bytes: three a row.
+// later ones did costs at most that many rows more. A state is 256 bytes: four a row.
 inline constexpr std::int64_t kRowsPerCheckpoint = 64;
 inline bool IsKept(const SelectorState& state) {
   return state.sums.sessions % kRowsPerCheckpoint == 0;

@@ -54,20 +54,36 @@ TEST(Aggregate, ASessionWithManyQueriesSaysMoreAboutTheTypicalOne) {
   EXPECT_DOUBLE_EQ(s.typical_point_matches, 110.0);
 }
 
-// Old: 20 queries at 0.6, worth 200 independent matches (times the decay); new: 20 queries. The 99%
-// interval is 0.6 -+ 2.576 sqrt(0.24 (1/200 + 1/200)) = 0.6 -+ 0.126, a little wider by Jeffreys'
-// mean and the decay.
+// Old: 20 queries at 0.6, worth 200 independent matches; new: 20 queries. The 99.9% interval is
+// 3.29 sqrt(m (1 - m) (1/200 + 1/200 + 0.02 (1 + 1))) = 3.29 sqrt(0.05 m (1 - m)), with m the mean
+// of both: 0.366 for 0.234 (m = 0.417), 0.296 for 0.896 (m = 0.748).
 TEST(Aggregate, AChangeDiscountsTheOlderSessionsAtOnce) {
   const StatisticsOptions options = WithoutAgeing();
   const SegmentSessionRow old = Row(1, 20, 100, 0.6);
-  const SegmentStatistics within = Aggregate(std::vector{old, Row(2, 20, 100, 0.48)}, options);
+  const SegmentStatistics within = Aggregate(std::vector{old, Row(2, 20, 100, 0.26)}, options);
   EXPECT_EQ(within.point_matches, 4000.0);
-  const SegmentStatistics outside = Aggregate(std::vector{old, Row(2, 20, 100, 0.46)}, options);
+  const SegmentStatistics outside = Aggregate(std::vector{old, Row(2, 20, 100, 0.21)}, options);
   EXPECT_DOUBLE_EQ(outside.point_matches, 0.1 * 2000 + 2000);
-  EXPECT_DOUBLE_EQ(outside.point_inliers, 0.1 * 1200 + 920);
+  EXPECT_DOUBLE_EQ(outside.point_inliers, 0.1 * 1200 + 420);
   EXPECT_EQ(outside.queries, 40);  // plain counts stay
-  const SegmentStatistics better = Aggregate(std::vector{old, Row(2, 20, 100, 0.75)}, options);
+  const SegmentStatistics better = Aggregate(std::vector{old, Row(2, 20, 100, 0.93)}, options);
   EXPECT_DOUBLE_EQ(better.point_matches, 0.1 * 2000 + 2000);
+}
+
+// Forty sessions that differ as 0.5 and 0.7 do are no changes; nor is the next one at 0.35, which
+// beside forty equal ones would be.
+TEST(Aggregate, ScatterIsLearned) {
+  const StatisticsOptions options = WithoutAgeing();
+  std::vector<SegmentSessionRow> scattered;
+  std::vector<SegmentSessionRow> equal;
+  for (int i = 0; i < 40; ++i) {
+    scattered.push_back(Row(i, 20, 100, i % 2 == 0 ? 0.5 : 0.7));
+    equal.push_back(Row(i, 20, 100, 0.6));
+  }
+  scattered.push_back(Row(40, 20, 100, 0.35));
+  equal.push_back(Row(40, 20, 100, 0.35));
+  EXPECT_EQ(Aggregate(scattered, options).point_matches, 41 * 2000.0);
+  EXPECT_DOUBLE_EQ(Aggregate(equal, options).point_matches, 0.1 * 40 * 2000 + 2000);
 }
 
 TEST(Aggregate, AChangeOfTheLinesAloneCountsToo) {
