@@ -67,7 +67,7 @@ TEST(Rival, DoorsAlongACorridorAreNotBelieved) {
     return MakeRepeatedCorridor(options, random);
   });
   EXPECT_GT(counts.beyond_chance, 30) << "else the corridors test nothing";
-  EXPECT_LE(counts.localized, counts.beyond_chance / 10) << "of 360";
+  EXPECT_LE(counts.localized, 4) << "of 360; 10 of 7200 under seeds 1 to 20";
 }
 
 // What is left over under the true pose is wrong in many ways, and holds no other.
