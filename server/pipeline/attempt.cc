@@ -46,6 +46,7 @@ struct Attempt {
   bool fall_back;
   std::optional<int> max_iterations = std::nullopt;  // unset: as the segment's statistics say
   std::optional<Consensus> known = std::nullopt;     // instead of RANSAC's
+  double sampled_share = 1.0;                        // of the points, that were matched
 };
 
 // `fall_back`: to the next in the segment's ranking where `strategy` draws or finds nothing. Else
@@ -150,7 +151,8 @@ TrustOptions Trusting(const QueryContext& context, const Attempt& attempt, int i
   return {.refine = Refining(context),
           .min_confidence = context.options.min_confidence,
           .gravity_was_sent = attempt.gravity_was_sent,
-          .iterations = iterations};
+          .iterations = iterations,
+          .sampled_share = attempt.sampled_share};
 }
 
 // Lines that agree no better than chance (a day's map at night) only lead astray: then the points
@@ -253,9 +255,9 @@ Localization StartAnswer(const QueryContext& context, const MapSnapshot::Entry& 
   return answer;
 }
 
-Result<Localization> TryOnce(const QueryContext& context, const MapSnapshot::Entry& entry,
-                             const MatchedProblem& matched, int max_iterations, int& iterations,
-                             StageTimes& times) {
+Result<Localization> TrySample(const QueryContext& context, const MapSnapshot::Entry& entry,
+                               const MatchedProblem& matched, double sampled_share,
+                               int max_iterations, int& iterations, StageTimes& times) {
   const Localization start = StartAnswer(context, entry, matched);
   if (!CanDraw(matched.problem)) return start;
   const Strategy strategy =
@@ -265,7 +267,9 @@ Result<Localization> TryOnce(const QueryContext& context, const MapSnapshot::Ent
                         context.query.gravity.has_value(),
                         strategy,
                         /*fall_back=*/false,
-                        max_iterations};
+                        max_iterations,
+                        /*known=*/std::nullopt,
+                        sampled_share};
   return TryStrategy(context, attempt, start, iterations, times);
 }
 

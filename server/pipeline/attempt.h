@@ -59,10 +59,11 @@ MatchedProblem MakeProblem(const QueryContext& context, const Segment& segment,
 Localization StartAnswer(const QueryContext& context, const MapSnapshot::Entry& entry,
                          const MatchedProblem& matched);
 
-// The first strategy alone, within `max_iterations`. `iterations` and `times` add up as above.
-Result<Localization> TryOnce(const QueryContext& context, const MapSnapshot::Entry& entry,
-                             const MatchedProblem& matched, int max_iterations, int& iterations,
-                             StageTimes& times);
+// The matches of `sampled_share` of the points, by the first strategy alone, within
+// `max_iterations`. `iterations` and `times` add up as above.
+Result<Localization> TrySample(const QueryContext& context, const MapSnapshot::Entry& entry,
+                               const MatchedProblem& matched, double sampled_share,
+                               int max_iterations, int& iterations, StageTimes& times);
 
 // Refines and judges the pose of `known`, which is LOCALIZED, with all of `matched` instead of the
 // matches that it was found with. Strategy and iterations stay `known`'s.

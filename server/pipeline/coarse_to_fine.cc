@@ -49,6 +49,8 @@ MatchedProblem MatchGuided(const QueryContext& context, const Segment& segment,
   return MakeProblem(context, segment, all);
 }
 
+double SampledShare(std::size_t points) { return kSampledPoints / static_cast<double>(points); }
+
 bool IsSure(const Localization& answer) {
   const FeatureCounts& points = answer.evidence.points;
   const double matches = points.matches;
@@ -69,7 +71,7 @@ void CountSample(const Localization& coarse, Localization& fine) {
 
 // Statistics add this to what full searches count.
 Localization WithEvidenceOfAll(Localization answer, std::size_t points) {
-  const double times = static_cast<double>(points) / kSampledPoints;
+  const double times = 1.0 / SampledShare(points);
   for (std::int32_t* count : {&answer.evidence.points.matches, &answer.evidence.points.inliers}) {
     *count = static_cast<std::int32_t>(std::lround(*count * times));
   }
@@ -88,8 +90,9 @@ Result<std::optional<Localization>> TryCoarseToFine(const QueryContext& context,
   }
   const MatchedProblem sample = MatchSampled(context, *entry.segment, times);
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
-  MAPLOC_ASSIGN_OR_RETURN(const Localization coarse,
-                          TryOnce(context, entry, sample, kMaxIterations, iterations, times));
+  MAPLOC_ASSIGN_OR_RETURN(
+      const Localization coarse,
+      TrySample(context, entry, sample, SampledShare(points), kMaxIterations, iterations, times));
   if (!IsSure(coarse)) return std::optional<Localization>();
 
   const MatchedProblem all = MatchGuided(context, *entry.segment, coarse, times);

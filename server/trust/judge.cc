@@ -2,10 +2,12 @@
 
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "mapstore/geometry/line.h"
 #include "mapstore/geometry/pixel_scale.h"
 #include "server/trust/calibration.h"
+#include "server/trust/chance.h"
 #include "server/trust/confidence.h"
 #include "server/trust/determination.h"
 #include "server/trust/rival.h"
@@ -14,9 +16,11 @@
 namespace maploc {
 namespace {
 
-// A rival takes a pose's place with so many times its inliers; between this and kRivalShare nobody
-// can tell which of the two is right.
+// A rival takes a pose's place with so many times its inliers; with fewer, nobody can tell which of
+// the two is right.
 constexpr double kClearlyMore = 1.5;
+// Of the pose's own spread, for a rival with few inliers.
+constexpr double kAsWide = 0.4;
 
 void Count(bool inlier, FeatureCounts& counts) {
   ++counts.matches;
@@ -63,15 +67,37 @@ class Judge {
  private:
   bool IsBelieved() const { return verdict_.confidence >= options_.min_confidence; }
 
+  std::size_t InliersThatRival() const {
+    return InliersOfRival(verdict_.pose.InlierCount(), options_.sampled_share);
+  }
+
+  // A thing that was moved is compact, and what was not surrounds it: a rival with a small share of
+  // the inliers counts where it spreads over as much of the image.
+  bool CastsDoubt(const RefinedPose& rival) const {
+    if (rival.InlierCount() >= InliersOfCloseRival(verdict_.pose.InlierCount())) return true;
+    return rival.InlierCount() >= InliersThatRival() &&
+           SpreadBesides(verdict_.pose, rival) > kAsWide * SpreadBesides(rival, verdict_.pose);
+  }
+
+  // Of the points that agree with `pose` and not with `other`.
+  double SpreadBesides(const RefinedPose& other, const RefinedPose& pose) const {
+    std::vector<Eigen::Vector2d> points;
+    for (std::size_t i = 0; i < problem_.points.size(); ++i) {
+      if (!IsInlier(pose.point_inliers, i) || IsInlier(other.point_inliers, i)) continue;
+      points.push_back(problem_.points[i].normalized);
+    }
+    return SpreadArea(points);
+  }
+
   // True where a rival is left that is neither clearly better nor clearly worse.
   bool TakeBetterRival() {
     for (int i = 0; i < 2; ++i) {
-      const auto rival = FindRival(problem_, verdict_.pose, chance_);
+      const auto rival = FindRival(problem_, verdict_.pose, InliersThatRival(), chance_);
       if (!rival) return false;
       const RefinedPose seen = WithoutUnseen(problem_, *rival);
       const double count = static_cast<double>(seen.InlierCount());
       if (i > 0 || count < kClearlyMore * static_cast<double>(verdict_.pose.InlierCount())) {
-        return count >= kRivalShare * static_cast<double>(verdict_.pose.InlierCount());
+        return CastsDoubt(seen);
       }
       Take(*rival);
     }

@@ -20,6 +20,7 @@ struct TrustOptions {
   bool gravity_was_sent = false;
   // Hypotheses evaluated for this query so far, over all segments. Each could agree by chance.
   int iterations = 1;
+  double sampled_share = 1.0;  // of the view's points that were matched
 };
 
 // Why a pose is not reported.

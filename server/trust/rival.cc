@@ -20,6 +20,11 @@ constexpr std::uint64_t kSeed = 1;
 // log10 of a rival's false alarms: it is suspected long before it would be believed itself.
 constexpr double kMaxLogAlarms = 3.0;
 constexpr double kFound = 0.999;
+// InliersOfRival.
+constexpr double kRivalShare = 0.4;
+constexpr double kLeast = 5.0;
+constexpr double kEnough = 20.0;
+constexpr double kEnoughShare = 0.02;
 
 template <typename Correspondence>
 std::vector<Correspondence> Outliers(const std::vector<Correspondence>& features,
@@ -122,16 +127,21 @@ PoseProblem Mirrored(PoseProblem problem) {
   return problem;
 }
 
-std::size_t InliersNeeded(const RefinedPose& pose) {
-  const double share = kRivalShare * static_cast<double>(pose.InlierCount());
-  return std::max(kLeastRival, static_cast<std::size_t>(std::ceil(share)));
-}
-
 }  // namespace
 
+std::size_t InliersOfCloseRival(std::size_t inliers) {
+  return static_cast<std::size_t>(
+      std::ceil(std::max(kLeast, kRivalShare * static_cast<double>(inliers))));
+}
+
+std::size_t InliersOfRival(std::size_t inliers, double sampled_share) {
+  const double count = static_cast<double>(inliers);
+  const double enough = std::max({kEnough * sampled_share, kEnoughShare * count, kLeast});
+  return std::min(InliersOfCloseRival(inliers), static_cast<std::size_t>(std::ceil(enough)));
+}
+
 std::optional<RefinedPose> FindRival(const PoseProblem& problem, const RefinedPose& pose,
-                                     const ConfidenceOptions& options) {
-  const std::size_t needed = InliersNeeded(pose);
+                                     std::size_t needed, const ConfidenceOptions& options) {
   const PoseProblem left_over = LeftOver(problem, pose);
   if (FeatureCount(left_over) < needed) return std::nullopt;
   std::optional<RefinedPose> best;
@@ -151,7 +161,7 @@ std::optional<RefinedPose> FindRival(const PoseProblem& problem, const RefinedPo
 
 bool LooksMirrored(const PoseProblem& problem, const RefinedPose& pose,
                    const ConfidenceOptions& options) {
-  const std::size_t needed = InliersNeeded(pose);
+  const std::size_t needed = InliersOfCloseRival(pose.InlierCount());
   PoseProblem mirrored = LeftOver(problem, pose);
   if (FeatureCount(mirrored) < needed) return false;
   mirrored = Mirrored(std::move(mirrored));

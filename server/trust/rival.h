@@ -19,7 +19,7 @@ namespace maploc {
 
 // The pose with most inliers among the outliers of `pose`, searched with gravity (where the problem
 // has it) and without. It is refined by these outliers; its flags cover all matches. Conditions:
-// * among these outliers it has at least kLeastRival inliers, and kRivalShare of those of `pose`;
+// * among these outliers it has at least `needed` inliers (InliersOfRival);
 // * it is more than kMaxSpread (determination.h) away, further than the noise of one pose;
 // * it has at most 1000 false alarms by the test that the pose itself has passed, because among
 //   many matches five agree with some pose by accident.
@@ -27,7 +27,7 @@ namespace maploc {
 // kRivalIterations. With too few outliers there is no search, so that a pose that explains most of
 // the matches costs nothing. `options.iterations` is not used. Deterministic; thread-safe.
 std::optional<RefinedPose> FindRival(const PoseProblem& problem, const RefinedPose& pose,
-                                     const ConfidenceOptions& options);
+                                     std::size_t needed, const ConfidenceOptions& options);
 
 // Whether the outliers of `pose` agree better with a mirrored picture, which front cameras and
 // faulty tools send. As FindRival, with every feature's x negated, without gravity, and counting
@@ -35,8 +35,13 @@ std::optional<RefinedPose> FindRival(const PoseProblem& problem, const RefinedPo
 bool LooksMirrored(const PoseProblem& problem, const RefinedPose& pose,
                    const ConfidenceOptions& options);
 
-inline constexpr double kRivalShare = 0.4;
-inline constexpr std::size_t kLeastRival = 5;
+// The fewest inliers that cast doubt on a pose with this many: two fifths of them, at least 5.
+// Where there are many, 20 are enough, or a fiftieth: so many agree with a second pose only if the
+// scene has two, such as a truck that was moved, before walls that were not. `sampled_share`: the
+// matches are those of this share of the features, and 20 of all are fewer of them.
+std::size_t InliersOfRival(std::size_t inliers, double sampled_share = 1.0);
+std::size_t InliersOfCloseRival(std::size_t inliers);  // the two fifths
+
 inline constexpr int kRivalIterations = 500;
 
 }  // namespace maploc

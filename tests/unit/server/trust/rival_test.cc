@@ -95,7 +95,7 @@ TEST(Rival, NeedsSomethingLeftOver) {
   options.point_outliers = 4;
   const SyntheticProblem made = MakeSyntheticProblem(options, random);
   const RefinedPose pose = RefinePose(made.problem, made.camera_from_map, {});
-  EXPECT_FALSE(FindRival(made.problem, pose, {}));
+  EXPECT_FALSE(FindRival(made.problem, pose, InliersOfRival(pose.InlierCount()), {}));
   EXPECT_FALSE(LooksMirrored(made.problem, pose, {}));
 }
 
@@ -119,12 +119,54 @@ TEST(Rival, TheTruePoseWinsOverOneThatAWrongGravityFound) {
     const RefinedPose wrong = RefinePose(made.problem, consensus.camera_from_map, {});
     if (ComparePoses(wrong.camera_from_map, made.camera_from_map).rotation_rad < 0.2) continue;
     ++found;
-    const auto rival = FindRival(made.problem, wrong, {});
+    const auto rival = FindRival(made.problem, wrong, InliersOfRival(wrong.InlierCount()), {});
     ASSERT_TRUE(rival.has_value());
     EXPECT_LT(ComparePoses(rival->camera_from_map, made.camera_from_map).rotation_rad, 0.02);
     EXPECT_GE(rival->InlierCount(), 50u);
   }
   EXPECT_GT(found, 5) << "else the gravity misled nobody";
+}
+
+// Points of one rigid thing 3 to 6 m away, within `half_width` of the image's centre (in focal
+// lengths), as `camera_from_map` sees it.
+void AddThing(const Rigid3& camera_from_map, int points, double half_width, Random& random,
+              PoseProblem& problem) {
+  for (int i = 0; i < points; ++i) {
+    const double x = random.Uniform(-half_width, half_width);
+    const double y = random.Uniform(-half_width, half_width);
+    PointCorrespondence point;
+    point.position_in_map =
+        camera_from_map.Inverse() * (random.Uniform(3, 6) * Eigen::Vector3d(x, y, 1));
+    point.normalized = {x + random.Gaussian(0.001), y + random.Gaussian(0.001)};
+    problem.points.push_back(point);
+  }
+}
+
+// What is LOCALIZED of 20 queries of a level camera before walls, and before a thing that is a
+// metre from where the map has it.
+int LocalizedBeforeMovedThing(int wall_points, int thing_points, double thing_half_width) {
+  Random random = TestRandom();
+  const Rigid3 camera_from_map;
+  const Rigid3 camera_from_map_of_thing = {Eigen::Quaterniond::Identity(), {1, 0, 0}};
+  return JudgeAll(20, random,
+                  [&](int) {
+                    PoseProblem problem;
+                    problem.focal_length_px = 500;
+                    problem.gravity_sigma_rad = 0.01;
+                    AddThing(camera_from_map, wall_points, 0.6, random, problem);
+                    AddThing(camera_from_map_of_thing, thing_points, thing_half_width, random,
+                             problem);
+                    return problem;
+                  })
+      .localized;
+}
+
+// A truck fills most of the picture: the few walls around it tell that it was moved.
+TEST(Rival, AMovedTruckIsNotBelieved) { EXPECT_EQ(LocalizedBeforeMovedThing(30, 300, 0.4), 0); }
+
+// A box with as many points as those walls had does not keep the walls from being believed.
+TEST(Rival, WallsBesideAMovedBoxAreBelieved) {
+  EXPECT_EQ(LocalizedBeforeMovedThing(300, 40, 0.12), 20);
 }
 
 // x of every feature turned over: a wrong pose finds some inliers, the mirror hypothesis all.
