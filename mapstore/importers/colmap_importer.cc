@@ -127,7 +127,7 @@ class Importer {
                                                             report_.info.line_descriptor)));
       if (progress_) progress_("writing segments", id + 1, static_cast<int>(cuts.size()));
     }
-    MAPLOC_RETURN_IF_ERROR(writer->Commit());
+    MAPLOC_RETURN_IF_ERROR(options_.stage ? writer->CommitStaged() : writer->Commit());
     report_.info.key = writer->key();
     report_.points = static_cast<std::int64_t>(points_.size());
     report_.lines = static_cast<std::int64_t>(lines_.size());

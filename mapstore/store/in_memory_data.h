@@ -29,6 +29,7 @@ struct InMemorySegment {
 
 struct InMemoryMap {
   MapSummary summary;
+  bool deleted = false;                   // has rows, which others inherit, but no landmarks
   std::vector<InMemorySegment> segments;  // by id
   std::vector<Inheritance> inheritance;   // a source is a version of the same name
 };
@@ -52,6 +53,9 @@ class InMemoryStore : public MapStore {
   Result<std::vector<MapSummary>> ListMaps() const override;
   Result<MapSummary> GetMap(const std::string& name) const override;
   Result<MapSummary> GetMap(const MapKey& key) const override;
+  Result<std::vector<MapSummary>> ListVersions() const override;
+  Status EnableVersion(const MapKey& key) override;
+  Status DeleteVersion(const MapKey& key) override;
   Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const override;
   Result<std::vector<SegmentSummary>> ListChangedSegments(const MapKey& key,
                                                           std::int64_t since) const override;
@@ -77,13 +81,15 @@ class InMemoryStore : public MapStore {
   Status Verify() const override;
 
   // For the writer.
-  void Publish(InMemoryMap map);
+  void Publish(InMemoryMap map, bool enable);
   void Abandon(const MapKey& key);
   const SelectorOptions& selector() const { return options_.selector; }
 
  private:
   // REQUIRES: mutex_ is held (all of them).
   Result<const InMemoryMap*> FindMap(const MapKey& key) const;
+  const InMemoryMap* FindPredecessor(const MapKey& heir) const;
+  void Enable(const MapKey& key);
   Result<const InMemorySegment*> FindSegment(const MapKey& key, SegmentId id) const;
   Status SetRevoked(const SessionId& id, bool revoked);
   Status CheckObservations(const Session& session, std::span<const Observation> observations) const;

@@ -37,16 +37,19 @@ class InMemoryWriter : public MapWriter {
     return Status::Ok();
   }
 
-  Status Commit() override {
+  Status Commit() override { return Publish(true); }
+  Status CommitStaged() override { return Publish(false); }
+
+ private:
+  Status Publish(bool enable) {
     if (committed_) return ImportCommitted();
     if (map_.segments.empty()) return EmptyMap(key_);
     counter_.CountInto(map_.summary);
-    store_.Publish(std::move(map_));
+    store_.Publish(std::move(map_), enable);
     committed_ = true;
     return Status::Ok();
   }
 
- private:
   InMemoryStore& store_;
   InMemoryMap map_;
   MapKey key_;
@@ -56,16 +59,39 @@ class InMemoryWriter : public MapWriter {
 
 }  // namespace
 
-void InMemoryStore::Publish(InMemoryMap map) {
+const InMemoryMap* InMemoryStore::FindPredecessor(const MapKey& heir) const {
+  const InMemoryMap* predecessor = nullptr;
+  for (const auto& [key, map] : maps_) {
+    if (key.name != heir.name || heir < key || map.deleted) continue;
+    if (predecessor == nullptr || !predecessor->summary.enabled) predecessor = &map;
+  }
+  return predecessor;
+}
+
+void InMemoryStore::Enable(const MapKey& key) {
+  std::int64_t last = 0;
+  for (auto& [other, map] : maps_) {
+    if (other.name != key.name) continue;
+    map.summary.enabled = false;
+    last = std::max(last, map.summary.enabled_order);
+  }
+  maps_.at(key).summary.enabled = true;
+  maps_.at(key).summary.enabled_order = last + 1;
+}
+
+void InMemoryStore::Publish(InMemoryMap map, bool enable) {
   const std::lock_guard lock(mutex_);
   const MapKey key = map.summary.info.key;
   imports_.erase(key);
-  const auto after = maps_.lower_bound(key);
-  if (after != maps_.begin() && std::prev(after)->first.name == key.name) {
-    map.inheritance = InheritanceOf(map, std::prev(after)->second);
+  if (const InMemoryMap* predecessor = FindPredecessor(key)) {
+    map.inheritance = InheritanceOf(map, *predecessor);
   }
   InMemoryMap& published = maps_.insert_or_assign(key, std::move(map)).first->second;
   for (const Inheritance& share : published.inheritance) Derive(published, share.to);
+  const bool is_old = std::any_of(maps_.upper_bound(key), maps_.end(), [&](const auto& entry) {
+    return entry.first.name == key.name && entry.second.summary.enabled;
+  });
+  if (enable && !is_old) Enable(key);
   ++change_counter_;
 }
 
@@ -76,7 +102,7 @@ void InMemoryStore::Abandon(const MapKey& key) {
 
 Result<const InMemoryMap*> InMemoryStore::FindMap(const MapKey& key) const {
   const auto found = maps_.find(key);
-  if (found == maps_.end()) return UnknownMap(key);
+  if (found == maps_.end() || found->second.deleted) return UnknownMap(key);
   return &found->second;
 }
 
@@ -90,12 +116,46 @@ Result<const InMemorySegment*> InMemoryStore::FindSegment(const MapKey& key, Seg
 
 Result<std::vector<MapSummary>> InMemoryStore::ListMaps() const {
   const std::lock_guard lock(mutex_);
-  std::vector<MapSummary> newest;
+  std::vector<MapSummary> enabled;
   for (const auto& [key, map] : maps_) {
-    if (!newest.empty() && newest.back().info.key.name == key.name) newest.pop_back();
-    newest.push_back(map.summary);
+    if (map.summary.enabled) enabled.push_back(map.summary);
   }
-  return newest;
+  return enabled;
+}
+
+Result<std::vector<MapSummary>> InMemoryStore::ListVersions() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<MapSummary> versions;
+  for (const auto& [key, map] : maps_) {
+    if (!map.deleted) versions.push_back(map.summary);
+  }
+  return versions;
+}
+
+Status InMemoryStore::EnableVersion(const MapKey& key) {
+  const std::lock_guard lock(mutex_);
+  MAPLOC_ASSIGN_OR_RETURN(const InMemoryMap* map, FindMap(key));
+  if (map->summary.enabled) return Status::Ok();
+  Enable(key);
+  ++change_counter_;
+  return Status::Ok();
+}
+
+Status InMemoryStore::DeleteVersion(const MapKey& key) {
+  const std::lock_guard lock(mutex_);
+  MAPLOC_ASSIGN_OR_RETURN(const InMemoryMap* found, FindMap(key));
+  if (found->summary.enabled) return VersionEnabled(key);
+  const auto open = std::count_if(sessions_.begin(), sessions_.end(), [&](const auto& entry) {
+    const Session& session = entry.second.session;
+    return session.map == key && session.end == SessionEnd::kOpen;
+  });
+  if (open > 0) return VersionInUse(key, open);
+  InMemoryMap& map = maps_.at(key);
+  map.deleted = true;
+  map.summary.enabled_order = 0;
+  for (InMemorySegment& segment : map.segments) segment.segment = nullptr;
+  ++change_counter_;
+  return Status::Ok();
 }
 
 Result<MapSummary> InMemoryStore::GetMap(const std::string& name) const {
@@ -103,7 +163,10 @@ Result<MapSummary> InMemoryStore::GetMap(const std::string& name) const {
   for (const MapSummary& map : maps) {
     if (map.info.key.name == name) return map;
   }
-  return UnknownMap(name);
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<MapSummary> versions, ListVersions());
+  const bool disabled = std::ranges::any_of(
+      versions, [&name](const MapSummary& map) { return map.info.key.name == name; });
+  return disabled ? NoVersionEnabled(name) : UnknownMap(name);
 }
 
 Result<MapSummary> InMemoryStore::GetMap(const MapKey& key) const {
@@ -230,6 +293,7 @@ Result<std::int64_t> InMemoryStore::ChangeCounter() const {
 Status InMemoryStore::Verify() const {
   const std::lock_guard lock(mutex_);
   for (const auto& [key, map] : maps_) {
+    if (map.deleted) continue;
     for (const InMemorySegment& segment : map.segments) {
       MAPLOC_RETURN_IF_ERROR(ValidateSegment(map.summary.info, *segment.segment));
       if (DeriveState(TruthOf(map, segment.segment->id)) != segment.state) {

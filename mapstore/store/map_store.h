@@ -23,6 +23,10 @@ namespace maploc {
 
 struct MapSummary {
   MapInfo info;
+  bool enabled = false;  // the one version of its name that robots get
+  // Rises with each version of a name that is enabled, so that the second largest was enabled
+  // before; 0: not yet.
+  std::int64_t enabled_order = 0;
   std::int64_t segments = 0;
   std::int64_t points = 0;  // distinct landmarks in all segments
   std::int64_t lines = 0;
@@ -71,20 +75,32 @@ class MapWriter {
   // REQUIRES: ids ascend from 0 without gaps. The segment is validated (ValidateSegment); its `map`
   // is ignored. One short transaction a segment.
   virtual Status AddSegment(const Segment& segment) = 0;
-  // Publishes the version, with the counts of distinct landmarks. At most once.
+  // Publishes the version, with the counts of distinct landmarks, and enables it, unless by then a
+  // newer one is enabled. At most once.
   // FAILED_PRECONDITION (EMPTY_MAP) without a segment.
   virtual Status Commit() = 0;
+  // The same, but robots get the version that is enabled until EnableVersion.
+  virtual Status CommitStaged() = 0;
 };
 
 class MapStore {
  public:
   virtual ~MapStore() = default;
 
-  // Newest version of each map, by name.
+  // Enabled version of each map, by name.
   virtual Result<std::vector<MapSummary>> ListMaps() const = 0;
-  // Newest version.
+  // Enabled version.
   virtual Result<MapSummary> GetMap(const std::string& name) const = 0;
   virtual Result<MapSummary> GetMap(const MapKey& key) const = 0;
+  // Every version of every map, also those that are not enabled, by name, then version.
+  virtual Result<std::vector<MapSummary>> ListVersions() const = 0;
+  // From now on this is the version of its name that robots get. Sessions stay on theirs. Nothing
+  // changes where it is enabled already.
+  virtual Status EnableVersion(const MapKey& key) = 0;
+  // Deletes a version's landmarks; their space serves later imports. Its sessions and what they
+  // taught the versions that inherit from it stay. FAILED_PRECONDITION (MAP_ENABLED) for the
+  // enabled version, (MAP_IN_USE) where a session on it is open.
+  virtual Status DeleteVersion(const MapKey& key) = 0;
   virtual Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const = 0;
   // Those whose statistics or strategy have changed since ChangeCounter() was `since`, by id. More
   // than these at times, never fewer. Costs nothing for the others.

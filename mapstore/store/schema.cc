@@ -316,8 +316,16 @@ CREATE TABLE segment_folds (
 ) STRICT, WITHOUT ROWID;
 )sql";
 
+// Which version robots get is a decision of its own: until then it was the newest. A deleted
+// version keeps its rows of statistics, which newer versions inherit.
+constexpr std::string_view kVersion8 = R"sql(
+ALTER TABLE map_versions ADD COLUMN enabled_order INTEGER NOT NULL DEFAULT 0 CHECK (enabled_order >= 0);
+ALTER TABLE map_versions ADD COLUMN deleted INTEGER NOT NULL DEFAULT 0 CHECK (deleted IN (0, 1));
+UPDATE map_versions SET enabled_order = version WHERE state = 1;
+)sql";
+
 constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4,
-                                    kVersion5, kVersion6, kVersion7};
+                                    kVersion5, kVersion6, kVersion7, kVersion8};
 
 }  // namespace
 

@@ -8,6 +8,7 @@
 #include "mapstore/store/sqlite_inheritance.h"
 #include "mapstore/store/sqlite_maps.h"
 #include "mapstore/store/sqlite_states.h"
+#include "mapstore/store/sqlite_versions.h"
 #include "mapstore/store/validation.h"
 
 namespace maploc {
@@ -111,19 +112,26 @@ Status DeleteImport(SqliteConnections& connections, std::int64_t map, ImportOwne
   }
 }
 
-// What the version of `places` inherits from the newest published one before it. Nothing where that
-// one is damaged: a new map must not fail for an old one's sake.
+// The enabled version: what sessions teach now. Else the newest one before. Null: there is none.
+const StoredMap* FindPredecessor(const std::vector<StoredMap>& by_version, const MapKey& heir) {
+  const StoredMap* predecessor = nullptr;
+  for (const StoredMap& other : by_version) {
+    const MapKey& key = other.key();
+    if (key.name != heir.name || key.version >= heir.version) continue;
+    if (predecessor == nullptr || !predecessor->summary.enabled) predecessor = &other;
+  }
+  return predecessor;
+}
+
+// What the version of `places` inherits. Nothing where its predecessor is damaged: a new map must
+// not fail for an old one's sake.
 Result<std::vector<Inheritance>> FindInheritance(SqliteConnections& connections,
                                                  const MapInfo& info,
                                                  std::span<const Segment> places) {
   MAPLOC_ASSIGN_OR_RETURN(auto reader, connections.Read());
   SqliteDatabase& database = reader.database();
   MAPLOC_ASSIGN_OR_RETURN(const auto maps, ReadAllMaps(database));
-  const StoredMap* predecessor = nullptr;  // they come by name, then version
-  for (const StoredMap& other : maps) {
-    const MapKey& key = other.key();
-    if (key.name == info.key.name && key.version < info.key.version) predecessor = &other;
-  }
+  const StoredMap* predecessor = FindPredecessor(maps, info.key);
   if (predecessor == nullptr) return std::vector<Inheritance>();
   std::vector<Segment> old_places;
   for (std::int64_t id = 0; id < predecessor->summary.segments; ++id) {
@@ -172,7 +180,11 @@ class SqliteMapWriter : public MapWriter {
     return Status::Ok();
   }
 
-  Status Commit() override {
+  Status Commit() override { return Publish(true); }
+  Status CommitStaged() override { return Publish(false); }
+
+ private:
+  Status Publish(bool enable) {
     if (committed_) return ImportCommitted();
     if (next_ == 0) return EmptyMap(info_.key);
     MAPLOC_RETURN_IF_ERROR(Inherit());
@@ -185,12 +197,21 @@ class SqliteMapWriter : public MapWriter {
     MAPLOC_RETURN_IF_ERROR(
         publish.Bind(row_id_, summary.segments, summary.points, summary.lines, summary.usable_lines)
             .Run());
+    if (enable) MAPLOC_RETURN_IF_ERROR(EnableUnlessOld(writer.database()));
     MAPLOC_RETURN_IF_ERROR(writer.CommitVisibly());
     committed_ = true;
     return Status::Ok();
   }
 
- private:
+  // Two imports at once: the one that began later is newer, whichever ends first.
+  Status EnableUnlessOld(SqliteDatabase& database) {
+    const Result<StoredMap> enabled = ReadEnabledMap(database, info_.key.name);
+    if (enabled.status().code() == StatusCode::kNotFound) return EnableRow(database, row_id_);
+    if (!enabled.ok()) return enabled.status();
+    const bool is_old = enabled->key().version > info_.key.version;
+    return is_old ? Status::Ok() : EnableRow(database, row_id_);
+  }
+
   // All weights first, because what a segment gets depends on its fellow heirs. Then one short
   // transaction a segment: with many sessions a whole map would keep others waiting. What sessions
   // teach the older versions meanwhile reaches the heirs that are written down.
@@ -261,7 +282,7 @@ Status SweepSqliteImports(SqliteConnections& connections) {
     MAPLOC_ASSIGN_OR_RETURN(const bool alive, ImportLock::IsHeld(connections.path(), map));
     if (!alive) MAPLOC_RETURN_IF_ERROR(SweepSqliteImport(connections, map));
   }
-  return Status::Ok();
+  return SweepDeletedVersions(connections);
 }
 
 }  // namespace maploc

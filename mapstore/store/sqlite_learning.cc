@@ -77,7 +77,7 @@ Status SetSqliteSessionRevoked(SqliteConnections& connections, const SessionId& 
   SqliteDatabase& database = writer.database();
   MAPLOC_ASSIGN_OR_RETURN(const Session session, ReadSession(database, id));
   if (session.revoked == revoked) return Status::Ok();
-  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(database, session.map));
+  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMapOfSession(database, session));
   MAPLOC_RETURN_IF_ERROR(MarkRevoked(database, id, revoked));
   MAPLOC_ASSIGN_OR_RETURN(const auto rows, ReadRowsOfSession(database, id));
   const SelectorOptions& options = connections.options().selector;

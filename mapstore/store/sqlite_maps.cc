@@ -10,7 +10,9 @@ constexpr std::string_view kMapColumns =
     "id, name, version, metric, scale, rotation_x, rotation_y, rotation_z, rotation_w, "
     "translation_x, translation_y, translation_z, point_kind, point_kind_bytes, "
     "point_kind_metric, line_kind, line_kind_bytes, line_kind_metric, created_unix_ns, "
-    "segment_count, point_count, line_count, usable_line_count, shared_error_rad";
+    "segment_count, point_count, line_count, usable_line_count, shared_error_rad, enabled_order, "
+    "enabled_order > 0 AND enabled_order = (SELECT MAX(enabled_order) FROM map_versions others "
+    "WHERE others.name = map_versions.name) AS enabled";
 
 std::string SelectMaps(std::string_view rest) {
   return "SELECT " + std::string(kMapColumns) + " FROM map_versions WHERE state = 1 " +
@@ -47,6 +49,8 @@ StoredMap MapAt(const SqliteStatement& row) {
   map.summary.lines = row.Int("line_count");
   map.summary.usable_lines = row.Int("usable_line_count");
   info.shared_error_rad = row.Real("shared_error_rad");
+  map.summary.enabled = row.Bool("enabled");
+  map.summary.enabled_order = row.Int("enabled_order");
   return map;
 }
 
@@ -95,19 +99,29 @@ Result<std::shared_ptr<const Segment>> DecodeSegment(SqliteDatabase& database, c
 }  // namespace
 
 Result<std::vector<StoredMap>> ReadAllMaps(SqliteDatabase& database) {
-  SqliteStatement statement(database, SelectMaps("ORDER BY name, version"));
+  SqliteStatement statement(database, SelectMaps("AND deleted = 0 ORDER BY name, version"));
   return statement.Collect(MapAt);
 }
 
-Result<StoredMap> ReadNewestMap(SqliteDatabase& database, const std::string& name) {
-  SqliteStatement statement(database, SelectMaps("AND name = ?1 ORDER BY version DESC LIMIT 1"));
+Result<StoredMap> ReadEnabledMap(SqliteDatabase& database, const std::string& name) {
+  SqliteStatement statement(database, SelectMaps("AND name = ?1 AND enabled"));
   MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(name).Step());
-  if (!found) return UnknownMap(name);
-  return MapAt(statement);
+  if (found) return MapAt(statement);
+  SqliteStatement any(database, SelectMaps("AND deleted = 0 AND name = ?1 LIMIT 1"));
+  MAPLOC_ASSIGN_OR_RETURN(const bool disabled, any.Bind(name).Step());
+  return disabled ? NoVersionEnabled(name) : UnknownMap(name);
 }
 
 Result<StoredMap> ReadMap(SqliteDatabase& database, const MapKey& key) {
+  SqliteStatement statement(database, SelectMaps("AND deleted = 0 AND name = ?1 AND version = ?2"));
+  MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(key.name, key.version).Step());
+  if (!found) return UnknownMap(key);
+  return MapAt(statement);
+}
+
+Result<StoredMap> ReadMapOfSession(SqliteDatabase& database, const Session& session) {
   SqliteStatement statement(database, SelectMaps("AND name = ?1 AND version = ?2"));
+  const MapKey& key = session.map;
   MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(key.name, key.version).Step());
   if (!found) return UnknownMap(key);
   return MapAt(statement);

@@ -20,8 +20,10 @@ struct StoredMap {
 };
 
 Result<std::vector<StoredMap>> ReadAllMaps(SqliteDatabase& database);  // by name, then version
-Result<StoredMap> ReadNewestMap(SqliteDatabase& database, const std::string& name);
+Result<StoredMap> ReadEnabledMap(SqliteDatabase& database, const std::string& name);
 Result<StoredMap> ReadMap(SqliteDatabase& database, const MapKey& key);
+// Also one that was deleted: its sessions are still there.
+Result<StoredMap> ReadMapOfSession(SqliteDatabase& database, const Session& session);
 
 // Without the statistics (sqlite_states.h). NOT_FOUND.
 Result<SegmentSummary> ReadSegmentCounts(SqliteDatabase& database, const StoredMap& map,

@@ -72,7 +72,7 @@ Result<RestoredStore> CountWhatIsIn(const std::string& path) {
   SqliteStatement count(database,
                         "SELECT COUNT(DISTINCT name) AS maps, COUNT(*) AS versions, (SELECT "
                         "COUNT(*) FROM sessions) AS sessions "
-                        "FROM map_versions WHERE state = 1");
+                        "FROM map_versions WHERE state = 1 AND deleted = 0");
   MAPLOC_ASSIGN_OR_RETURN(const bool row, count.Step());
   if (!row) return Internal(path + ": counts nothing");
   return RestoredStore{count.Int("maps"), count.Int("versions"), count.Int("sessions")};

@@ -7,6 +7,7 @@
 #include "mapstore/store/sqlite_sessions.h"
 #include "mapstore/store/sqlite_states.h"
 #include "mapstore/store/sqlite_verify.h"
+#include "mapstore/store/sqlite_versions.h"
 #include "mapstore/store/validation.h"
 
 namespace maploc {
@@ -21,6 +22,9 @@ class SqliteStore : public MapStore {
   Result<std::vector<MapSummary>> ListMaps() const override;
   Result<MapSummary> GetMap(const std::string& name) const override;
   Result<MapSummary> GetMap(const MapKey& key) const override;
+  Result<std::vector<MapSummary>> ListVersions() const override;
+  Status EnableVersion(const MapKey& key) override;
+  Status DeleteVersion(const MapKey& key) override;
   Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const override;
   Result<std::vector<SegmentSummary>> ListChangedSegments(const MapKey& key,
                                                           std::int64_t since) const override;
@@ -57,17 +61,32 @@ class SqliteStore : public MapStore {
 Result<std::vector<MapSummary>> SqliteStore::ListMaps() const {
   MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
   MAPLOC_ASSIGN_OR_RETURN(const auto maps, ReadAllMaps(reader.database()));
-  std::vector<MapSummary> newest;
+  std::vector<MapSummary> enabled;
   for (const StoredMap& map : maps) {
-    if (!newest.empty() && newest.back().info.key.name == map.key().name) newest.pop_back();
-    newest.push_back(map.summary);
+    if (map.summary.enabled) enabled.push_back(map.summary);
   }
-  return newest;
+  return enabled;
+}
+
+Result<std::vector<MapSummary>> SqliteStore::ListVersions() const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  MAPLOC_ASSIGN_OR_RETURN(const auto maps, ReadAllMaps(reader.database()));
+  std::vector<MapSummary> versions;
+  for (const StoredMap& map : maps) versions.push_back(map.summary);
+  return versions;
+}
+
+Status SqliteStore::EnableVersion(const MapKey& key) {
+  return EnableSqliteVersion(*connections_, key);
+}
+
+Status SqliteStore::DeleteVersion(const MapKey& key) {
+  return DeleteSqliteVersion(*connections_, key);
 }
 
 Result<MapSummary> SqliteStore::GetMap(const std::string& name) const {
   MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
-  MAPLOC_ASSIGN_OR_RETURN(StoredMap map, ReadNewestMap(reader.database(), name));
+  MAPLOC_ASSIGN_OR_RETURN(StoredMap map, ReadEnabledMap(reader.database(), name));
   return std::move(map.summary);
 }
 

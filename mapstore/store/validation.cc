@@ -125,6 +125,25 @@ Status UnknownMap(const MapKey& key) {
   return NotFound("map '" + key.name + "' version " + std::to_string(key.version), "MAP_NOT_FOUND");
 }
 
+Status NoVersionEnabled(const std::string& name) {
+  return Status(StatusCode::kNotFound, "MAP_NOT_FOUND",
+                "map '" + name + "' has no enabled version; enable one: maploc-map enable --map " +
+                    name + " --version N");
+}
+
+Status VersionEnabled(const MapKey& key) {
+  return FailedPrecondition("MAP_ENABLED", "map '" + key.name + "' version " +
+                                               std::to_string(key.version) +
+                                               " is the enabled one; enable another one first");
+}
+
+Status VersionInUse(const MapKey& key, std::int64_t open_sessions) {
+  return FailedPrecondition(
+      "MAP_IN_USE", "map '" + key.name + "' version " + std::to_string(key.version) + " has " +
+                        std::to_string(open_sessions) +
+                        " open sessions; wait until they have ended (idle ones end by themselves)");
+}
+
 Status UnknownSegment(const MapKey& key, SegmentId id) {
   return NotFound("segment " + std::to_string(id) + " of map '" + key.name + "' version " +
                       std::to_string(key.version),

@@ -30,6 +30,9 @@ Status ImportCommitted();
 Status SessionExists(const SessionId& id);
 Status UnknownMap(const std::string& name);
 Status UnknownMap(const MapKey& key);
+Status NoVersionEnabled(const std::string& name);  // NOT_FOUND, with the cure
+Status VersionEnabled(const MapKey& key);
+Status VersionInUse(const MapKey& key, std::int64_t open_sessions);
 Status UnknownSegment(const MapKey& key, SegmentId id);
 Status UnknownSession(const SessionId& id);
 

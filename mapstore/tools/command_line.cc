@@ -38,8 +38,13 @@ void AddSegmentOption(CLI::App& command, SegmentId& segment) {
 }
 
 void AddVersionOption(CLI::App& command, std::optional<std::int64_t>& version) {
-  command.add_option("--version", version, "The map's version; left out: the newest")
+  command.add_option("--version", version, "The map's version; left out: the enabled one")
       ->type_name("N");
+}
+
+void AddStageFlag(CLI::App& command, bool& stage) {
+  command.add_flag("--stage", stage,
+                   "Leave the new version DISABLED until `maploc-map enable`; robots keep theirs");
 }
 
 Result<MapSummary> FindMap(const MapStore& store, const std::string& name,

@@ -34,8 +34,9 @@ void AddMapOption(CLI::App& command, std::string& name);       // --map, require
 void AddSegmentOption(CLI::App& command, SegmentId& segment);  // --segment, required
 
 void AddVersionOption(CLI::App& command, std::optional<std::int64_t>& version);  // --version
+void AddStageFlag(CLI::App& command, bool& stage);                               // --stage
 
-// One version of a map, the newest where none is given. INVALID_ARGUMENT: below 1.
+// One version of a map, the enabled one where none is given. INVALID_ARGUMENT: below 1.
 Result<MapSummary> FindMap(const MapStore& store, const std::string& name,
                            std::optional<std::int64_t> version);
 
@@ -48,6 +49,10 @@ Result<std::unique_ptr<MapStore>> OpenExistingStore(const CommandContext& contex
 Result<std::unique_ptr<MapStore>> OpenOrCreateStore(const CommandContext& context);
 
 void AddListCommand(CLI::App& app, CommandContext& context);
+void AddVersionsCommand(CLI::App& app, CommandContext& context);
+void AddEnableCommand(CLI::App& app, CommandContext& context);
+void AddRollbackCommand(CLI::App& app, CommandContext& context);
+void AddDeleteCommand(CLI::App& app, CommandContext& context);
 void AddSegmentsCommand(CLI::App& app, CommandContext& context);
 void AddStatsCommand(CLI::App& app, CommandContext& context);
 void AddStrategyCommand(CLI::App& app, CommandContext& context);

@@ -180,6 +180,7 @@ void AddMapFlags(CLI::App& command, Flags& flags) {
       ->delimiter(',')
       ->expected(3)
       ->type_name("X,Y,Z");
+  AddStageFlag(command, flags.options.stage);
   command.add_flag("--force", flags.options.force, "Take a gravity that the photos contradict");
   command
       .add_option("--scale", flags.options.meters_per_unit,

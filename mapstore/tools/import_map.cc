@@ -13,6 +13,7 @@ namespace {
 struct ImportFlags {
   std::string from;
   std::string map;  // empty: the file's only one
+  bool stage = false;
 };
 
 Result<MapInfo> ChooseMap(const MapStore& file, const ImportFlags& flags) {
@@ -40,8 +41,8 @@ Status Import(const CommandContext& context, const ImportFlags& flags) {
   const MapKey from = info.key;
   info.created_unix_ns = SystemClock().NowUnixNanos();
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenOrCreateStore(context));
-  MAPLOC_ASSIGN_OR_RETURN(const MapKey key,
-                          CopyMap(*file, from, *store, info, [](const Segment& s) { return s; }));
+  MAPLOC_ASSIGN_OR_RETURN(const MapKey key, CopyMap(*file, from, *store, info, flags.stage,
+                                                    [](const Segment& s) { return s; }));
   if (context.json) {
     PrintJson({{"map", key.name}, {"version", key.version}, {"from", flags.from}});
   } else {
@@ -66,6 +67,7 @@ void AddImportCommand(CLI::App& app, CommandContext& context) {
       ->type_name("FILE");
   command->add_option("--map", flags->map, "Which map, where the file holds several")
       ->type_name("NAME");
+  AddStageFlag(*command, flags->stage);
 }
 
 }  // namespace maploc

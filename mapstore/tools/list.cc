@@ -46,7 +46,7 @@ Status List(const CommandContext& context) {
 }  // namespace
 
 void AddListCommand(CLI::App& app, CommandContext& context) {
-  AddCommand(app, context, "list", "Lists the maps, newest version of each",
+  AddCommand(app, context, "list", "Lists the maps, enabled version of each",
              "maploc-map list --store campus.db", [&context] { return List(context); });
 }
 

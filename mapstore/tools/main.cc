@@ -19,6 +19,10 @@ void AddCommands(CLI::App& app, maploc::CommandContext& context) {
   maploc::AddImportColmap(app, context);
 #endif
   maploc::AddListCommand(app, context);
+  maploc::AddVersionsCommand(app, context);
+  maploc::AddEnableCommand(app, context);
+  maploc::AddRollbackCommand(app, context);
+  maploc::AddDeleteCommand(app, context);
   maploc::AddSegmentsCommand(app, context);
   maploc::AddStatsCommand(app, context);
   maploc::AddStrategyCommand(app, context);

@@ -44,7 +44,7 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   }
   MAPLOC_ASSIGN_OR_RETURN(
       const MapCache::Snapshot map,
-      lease ? context.maps->Get(lease->session().map) : context.maps->Newest(query.map));
+      lease ? context.maps->Get(lease->session().map) : context.maps->Enabled(query.map));
   const double load_ms = MillisecondsSince(start, *context.clock) - convert_ms;
   MAPLOC_ASSIGN_OR_RETURN(Localization answer,
                           Localize(query, *map, context.localizer, call.deadline, call.cancelled));

@@ -10,7 +10,7 @@ Status HandleStartSession(const ServiceContext& context, const Call&,
                           v1::StartSessionResponse* response) {
   MAPLOC_ASSIGN_OR_RETURN(SessionRequest wanted, SessionRequestFromProto(request));
   // In memory before the first query, which then does not pay for the loading.
-  MAPLOC_ASSIGN_OR_RETURN(const MapCache::Snapshot map, context.maps->Newest(wanted.map));
+  MAPLOC_ASSIGN_OR_RETURN(const MapCache::Snapshot map, context.maps->Enabled(wanted.map));
   MAPLOC_ASSIGN_OR_RETURN(const Session session,
                           context.sessions->Start({map->info.key, wanted.robot,
                                                    std::move(wanted.labels), wanted.request_id}));

@@ -66,28 +66,27 @@ MapCache::~MapCache() {
   thread_.join();
 }
 
-Result<MapCache::Snapshot> MapCache::Newest(const std::string& name) {
-  if (Snapshot found = FindNewest(name)) return found;
-  return LoadNewest(name);
+Result<MapCache::Snapshot> MapCache::Enabled(const std::string& name) {
+  if (Snapshot found = FindEnabled(name)) return found;
+  return LoadEnabled(name);
 }
 
-// A version that is published while an older one loads found no entry of the map to renew, so the
+// A version that is enabled while another one loads found no entry of the map to renew, so the
 // store is asked again once the entry is there.
-Result<MapCache::Snapshot> MapCache::LoadNewest(const std::string& name) {
+Result<MapCache::Snapshot> MapCache::LoadEnabled(const std::string& name) {
   Snapshot snapshot;
   while (true) {
     const Result<MapSummary> map = store_->GetMap(name);
     if (!map.ok()) return MapNotFound(map.status(), name);
     if (snapshot != nullptr && snapshot->info.key == map->info.key) return snapshot;
     MAPLOC_ASSIGN_OR_RETURN(snapshot, Get(map->info.key));
-    SetNewest(map->info.key);
+    SetEnabled(map->info.key);
   }
 }
 
-void MapCache::SetNewest(const MapKey& key) {
+void MapCache::SetEnabled(const MapKey& key) {
   const std::lock_guard lock(mutex_);
-  MapKey& newest = newest_.try_emplace(key.name, key).first->second;
-  newest.version = std::max(newest.version, key.version);
+  enabled_.insert_or_assign(key.name, key);
 }
 
 Result<MapCache::Snapshot> MapCache::Get(const MapKey& key) {
@@ -105,11 +104,11 @@ MapCache::Snapshot MapCache::Find(const MapKey& key) {
   return found->second.snapshot;
 }
 
-MapCache::Snapshot MapCache::FindNewest(const std::string& name) {
+MapCache::Snapshot MapCache::FindEnabled(const std::string& name) {
   const std::lock_guard lock(mutex_);
-  const auto newest = newest_.find(name);
-  if (newest == newest_.end()) return nullptr;
-  const auto found = entries_.find(newest->second);
+  const auto enabled = enabled_.find(name);
+  if (enabled == enabled_.end()) return nullptr;
+  const auto found = entries_.find(enabled->second);
   if (found == entries_.end()) return nullptr;
   found->second.last_used = std::chrono::steady_clock::now();
   return found->second.snapshot;
@@ -159,8 +158,8 @@ Status MapCache::RefreshStrategies(const MapKey& key, std::int64_t since) {
 void MapCache::Drop(const MapKey& key) {
   const std::lock_guard lock(mutex_);
   entries_.erase(key);
-  const auto newest = newest_.find(key.name);
-  if (newest != newest_.end() && newest->second == key) newest_.erase(newest);
+  const auto enabled = enabled_.find(key.name);
+  if (enabled != enabled_.end() && enabled->second == key) enabled_.erase(enabled);
   spdlog::warn("map '{}' version {} was deleted or replaced in the store: dropped from memory",
                key.name, key.version);
 }
@@ -183,14 +182,14 @@ std::vector<MapKey> MapCache::LoadedKeys() const {
   return keys;
 }
 
-void MapCache::LoadNewVersions() {
+void MapCache::LoadEnabledVersions() {
   std::vector<std::string> names;
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& [name, key] : newest_) names.push_back(name);
+    for (const auto& [name, key] : enabled_) names.push_back(name);
   }
   for (const std::string& name : names) {
-    const Status status = LoadNewest(name).status();
+    const Status status = LoadEnabled(name).status();
     if (status.reason() == "MAP_NOT_FOUND") continue;
     if (!status.ok()) spdlog::error("map '{}' cannot be loaded: {}", name, status.ToString());
   }
@@ -200,8 +199,8 @@ void MapCache::DropUnused() {
   const auto oldest = std::chrono::steady_clock::now() - options_.keep_unused;
   const std::lock_guard lock(mutex_);
   std::erase_if(entries_, [&](const auto& entry) {
-    const auto newest = newest_.find(entry.first.name);
-    const bool serves = newest != newest_.end() && newest->second == entry.first;
+    const auto enabled = enabled_.find(entry.first.name);
+    const bool serves = enabled != enabled_.end() && enabled->second == entry.first;
     return !serves && entry.second.last_used < oldest;
   });
 }
@@ -209,7 +208,7 @@ void MapCache::DropUnused() {
 Status MapCache::LookAtChanges() {
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t counter, store_->ChangeCounter());
   const Status refreshed = Refresh();
-  if (counter != versions_seen_) LoadNewVersions();
+  if (counter != versions_seen_) LoadEnabledVersions();
   versions_seen_ = counter;
   DropUnused();
   return refreshed;

@@ -40,9 +40,9 @@ class MapCache {
   MapCache(const MapCache&) = delete;
   MapCache& operator=(const MapCache&) = delete;
 
-  // The newest loaded version of a map, loading the newest one where there is none. NOT_FOUND
+  // The enabled version of a map, or while that one loads the one before. NOT_FOUND
   // (MAP_NOT_FOUND), or the store's errors.
-  Result<Snapshot> Newest(const std::string& name);
+  Result<Snapshot> Enabled(const std::string& name);
   // One version.
   Result<Snapshot> Get(const MapKey& key);
 
@@ -58,16 +58,16 @@ class MapCache {
   void Run();
   Status LookAtChanges();
   Snapshot Find(const MapKey& key);
-  Snapshot FindNewest(const std::string& name);
+  Snapshot FindEnabled(const std::string& name);
   Result<Snapshot> Load(const MapKey& key);
   // What has changed since the store's counter was `since`. Drops the version where the store has
   // it no more, or has another content under its number.
   Status RefreshStrategies(const MapKey& key, std::int64_t since);
   void Drop(const MapKey& key);
   std::vector<MapKey> LoadedKeys() const;
-  Result<Snapshot> LoadNewest(const std::string& name);
-  void SetNewest(const MapKey& key);
-  void LoadNewVersions();
+  Result<Snapshot> LoadEnabled(const std::string& name);
+  void SetEnabled(const MapKey& key);
+  void LoadEnabledVersions();
   void DropUnused();
 
   const MapStore* const store_;
@@ -76,11 +76,11 @@ class MapCache {
   std::mutex load_mutex_;            // one load at a time: two queries do not load one map twice
   std::mutex refresh_mutex_;         // one refresh at a time
   std::int64_t seen_counter_ = -1;   // guarded by refresh_mutex_
-  std::int64_t versions_seen_ = -1;  // the counter at which the thread loaded new versions
+  std::int64_t versions_seen_ = -1;  // the counter at which the thread loaded enabled versions
 
   mutable std::mutex mutex_;  // guards all below; never held over a call of the store
   std::map<MapKey, Entry> entries_;
-  std::map<std::string, MapKey> newest_;  // what Newest serves; an entry is there for each
+  std::map<std::string, MapKey> enabled_;  // what Enabled serves; an entry is there for each
   std::condition_variable stop_;
   bool stopping_ = false;
   std::thread thread_;

@@ -117,7 +117,7 @@ void BM_RefreshAfterAnEnd(benchmark::State& state) {
   MapCacheOptions options;
   options.poll_interval = std::chrono::hours(1);
   MapCache cache(store.get(), options);
-  if (!cache.Newest(map.name).ok()) std::abort();
+  if (!cache.Enabled(map.name).ok()) std::abort();
   int pins = 0;
   for (auto _ : state) {
     state.PauseTiming();

@@ -16,6 +16,9 @@ class ForwardingStore : public MapStore {
   Result<std::vector<MapSummary>> ListMaps() const override { return store_->ListMaps(); }
   Result<MapSummary> GetMap(const std::string& name) const override { return store_->GetMap(name); }
   Result<MapSummary> GetMap(const MapKey& key) const override { return store_->GetMap(key); }
+  Result<std::vector<MapSummary>> ListVersions() const override { return store_->ListVersions(); }
+  Status EnableVersion(const MapKey& key) override { return store_->EnableVersion(key); }
+  Status DeleteVersion(const MapKey& key) override { return store_->DeleteVersion(key); }
   Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const override {
     return store_->ListSegments(key);
   }

@@ -8,9 +8,9 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 
 TEST_F(MaplocMap, EveryCommandHelpsWithAnExample) {
-  for (const std::string command :
-       {"list", "segments", "stats", "strategy", "explain", "sessions", "revoke", "robots",
-        "verify", "level", "backup", "restore", "plot"}) {
+  for (const std::string command : {"list", "versions", "enable", "rollback", "delete", "segments",
+                                    "stats", "strategy", "explain", "sessions", "revoke", "robots",
+                                    "verify", "level", "backup", "restore", "plot"}) {
     const Output run = Map(command + " --help");
     EXPECT_EQ(run.exit_code, 0) << command << ": " << run.error;
     EXPECT_THAT(run.out, HasSubstr("maploc-map " + command + " --store")) << command;

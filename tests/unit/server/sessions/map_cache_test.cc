@@ -37,17 +37,17 @@ class MapCacheTest : public ::testing::Test {
 
 TEST_F(MapCacheTest, LoadsOnceAndShares) {
   MapCache cache(store_.get());
-  const MapCache::Snapshot map = cache.Newest("street").value();
+  const MapCache::Snapshot map = cache.Enabled("street").value();
   EXPECT_EQ(map->info.key, key_);
   ASSERT_EQ(map->segments.size(), world_.segments().size());
   EXPECT_EQ(map->segments[1].segment->points.ids, world_.segments()[1]->points.ids);
-  EXPECT_EQ(cache.Newest("street").value(), map);
+  EXPECT_EQ(cache.Enabled("street").value(), map);
   EXPECT_EQ(cache.Get(key_).value(), map);
 }
 
 TEST_F(MapCacheTest, UnknownMapsAreNotFound) {
   MapCache cache(store_.get());
-  EXPECT_EQ(cache.Newest("garden").status().reason(), "MAP_NOT_FOUND");
+  EXPECT_EQ(cache.Enabled("garden").status().reason(), "MAP_NOT_FOUND");
   EXPECT_EQ(cache.Get({"street", 9}).status().reason(), "MAP_NOT_FOUND");
 }
 
@@ -55,18 +55,18 @@ TEST_F(MapCacheTest, AnOldVersionOfASessionDoesNotHideTheNewest) {
   const MapKey newer = testing::ImportWorld(world_, store_.get());
   MapCache cache(store_.get());
   ASSERT_EQ(cache.Get(key_).value()->info.key, key_);  // a session that outlived a restart
-  EXPECT_EQ(cache.Newest("street").value()->info.key, newer);
+  EXPECT_EQ(cache.Enabled("street").value()->info.key, newer);
 }
 
 TEST_F(MapCacheTest, AMapThatWasImportedJustNowIsFound) {
   MapCache cache(store_.get());
-  ASSERT_TRUE(cache.Newest("street").ok());
+  ASSERT_TRUE(cache.Enabled("street").ok());
   MapInfo info = world_.info();
   info.key.name = "garden";
   auto writer = store_->BeginImport(info).value();
   ASSERT_TRUE(writer->AddSegment(*world_.segments()[0]).ok());
   ASSERT_TRUE(writer->Commit().ok());
-  EXPECT_EQ(cache.Newest("garden")->get()->segments.size(), 1u);
+  EXPECT_EQ(cache.Enabled("garden")->get()->segments.size(), 1u);
 }
 
 // Publishes a new version at a chosen moment: while the one before is being loaded.
@@ -90,21 +90,21 @@ TEST_F(MapCacheTest, AVersionThatIsPublishedWhileAnOlderOneLoadsIsServed) {
   MapCacheOptions options;
   options.poll_interval = 1h;  // the thread looks before the import, and then no more
   MapCache cache(&store, options);
-  EXPECT_EQ(cache.Newest("street").value()->info.key.version, key_.version + 1);
-  EXPECT_EQ(cache.Newest("street").value()->info.key.version, key_.version + 1);
+  EXPECT_EQ(cache.Enabled("street").value()->info.key.version, key_.version + 1);
+  EXPECT_EQ(cache.Enabled("street").value()->info.key.version, key_.version + 1);
 }
 
 TEST_F(MapCacheTest, RefreshSeesAStrategyAndSharesTheSegments) {
   MapCacheOptions options;
   options.poll_interval = 1h;
   MapCache cache(store_.get(), options);
-  const MapCache::Snapshot before = cache.Newest("street").value();
+  const MapCache::Snapshot before = cache.Enabled("street").value();
   ASSERT_TRUE(store_->PinStrategy(key_, 1, Strategy::k2P).ok());
-  EXPECT_EQ(StrategyOf(cache.Newest("street").value(), 1), Strategy::kMixed);
+  EXPECT_EQ(StrategyOf(cache.Enabled("street").value(), 1), Strategy::kMixed);
 
   ASSERT_TRUE(cache.Refresh().ok());
 
-  const MapCache::Snapshot after = cache.Newest("street").value();
+  const MapCache::Snapshot after = cache.Enabled("street").value();
   EXPECT_EQ(StrategyOf(after, 1), Strategy::k2P);
   EXPECT_EQ(after->segments[1].decision.source, StrategySource::kPinned);
   EXPECT_EQ(after->segments[1].segment, before->segments[1].segment);
@@ -116,13 +116,13 @@ TEST_F(MapCacheTest, TheThreadSeesPinsAndNewVersions) {
   MapCacheOptions options;
   options.poll_interval = 5ms;
   MapCache cache(store_.get(), options);
-  const MapCache::Snapshot old = cache.Newest("street").value();
+  const MapCache::Snapshot old = cache.Enabled("street").value();
   ASSERT_TRUE(store_->PinStrategy(key_, 0, Strategy::k1P1L).ok());
   EXPECT_TRUE(testing::WaitFor(
-      [&] { return StrategyOf(cache.Newest("street").value(), 0) == Strategy::k1P1L; }));
+      [&] { return StrategyOf(cache.Enabled("street").value(), 0) == Strategy::k1P1L; }));
 
   const MapKey newer = testing::ImportWorld(world_, store_.get());
-  EXPECT_TRUE(testing::WaitFor([&] { return cache.Newest("street").value()->info.key == newer; }));
+  EXPECT_TRUE(testing::WaitFor([&] { return cache.Enabled("street").value()->info.key == newer; }));
   // A session that began on the old version stays there.
   EXPECT_EQ(cache.Get(key_).value()->info.key, key_);
 }
@@ -173,10 +173,10 @@ TEST_F(MapCacheTest, AnotherContentUnderTheSameVersionIsNeitherServedNorMixed) {
   MapCacheOptions options;
   options.poll_interval = 1h;
   MapCache cache(&store, options);
-  ASSERT_GT(cache.Newest("street").value()->segments.size(), 1u);
+  ASSERT_GT(cache.Enabled("street").value()->segments.size(), 1u);
   store.PutInPlace(others.get());
   ASSERT_TRUE(cache.Refresh().ok());
-  EXPECT_EQ(cache.Newest("street").value()->segments.size(), 1u);
+  EXPECT_EQ(cache.Enabled("street").value()->segments.size(), 1u);
   EXPECT_EQ(cache.Get(key_).value()->segments.size(), 1u);
   store.PutInPlace(store_.get());
   ASSERT_TRUE(cache.Refresh().ok());
@@ -187,10 +187,10 @@ TEST_F(MapCacheTest, ADeletedMapIsForgotten) {
   const std::unique_ptr<MapStore> empty = NewInMemoryStore();
   ChangingStore store(store_.get());
   MapCache cache(&store);
-  ASSERT_TRUE(cache.Newest("street").ok());
+  ASSERT_TRUE(cache.Enabled("street").ok());
   store.PutInPlace(empty.get());
   ASSERT_TRUE(cache.Refresh().ok());
-  EXPECT_EQ(cache.Newest("street").status().reason(), "MAP_NOT_FOUND");
+  EXPECT_EQ(cache.Enabled("street").status().reason(), "MAP_NOT_FOUND");
   EXPECT_EQ(cache.Get(key_).status().reason(), "MAP_NOT_FOUND");
 }
 
@@ -207,7 +207,7 @@ TEST_F(MapCacheTest, AnExceptionInTheThreadIsBadHealthUntilItIsOver) {
   store.throws = false;
   EXPECT_TRUE(testing::WaitFor([&] { return health.good(); }));
   EXPECT_TRUE(testing::WaitFor([&] { return turns == 2; }));
-  EXPECT_TRUE(cache.Newest("street").ok());
+  EXPECT_TRUE(cache.Enabled("street").ok());
 }
 
 }  // namespace

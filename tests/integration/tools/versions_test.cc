@@ -1,0 +1,73 @@
+// The versions of a map as an operator handles them.
+#include "tests/integration/tools/maploc_map_fixture.h"
+
+namespace maploc::testing {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+class MapVersions : public MaplocMap {
+ protected:
+  void SetUp() override {
+    MaplocMap::SetUp();
+    ASSERT_EQ(Map("export --store $STORE --map yard --to " + file_).exit_code, 0);
+  }
+  std::vector<std::string> States() {
+    std::vector<std::string> states;
+    const json versions = Json("versions --store $STORE --map yard");
+    for (const json& version : versions) {
+      states.push_back(version.at("state"));
+    }
+    return states;
+  }
+  int Enabled() { return Json("list --store $STORE")[0].at("version"); }
+
+  const std::string file_ = folder_.File("yard.maploc");
+};
+
+TEST_F(MapVersions, ABadMapIsTakenBackWithOneCommand) {
+  ASSERT_EQ(Map("import --store $STORE --from " + file_).exit_code, 0);
+  ASSERT_EQ(Enabled(), 2);
+  const Output back = Map("rollback --store $STORE --map yard");
+  EXPECT_EQ(back.exit_code, 0) << back.error;
+  EXPECT_THAT(back.out, HasSubstr("version 1 is enabled, version 2 no longer is"));
+  EXPECT_EQ(Enabled(), 1);
+  EXPECT_EQ(States(), (std::vector<std::string>{"ENABLED", "DISABLED"}));
+  const json there = Json("rollback --store $STORE --map yard");
+  EXPECT_EQ(there.at("version"), 2);
+  EXPECT_EQ(there.at("version_before"), 1);
+  EXPECT_EQ(there.at("changed"), true);
+}
+
+TEST_F(MapVersions, AStagedMapIsEnabledLater) {
+  ASSERT_EQ(Map("import --store $STORE --stage --from " + file_).exit_code, 0);
+  EXPECT_EQ(Enabled(), 1);
+  ExpectFails("rollback --store $STORE --map yard", "no other version that was enabled before");
+  ASSERT_EQ(Map("enable --store $STORE --map yard --version 2").exit_code, 0);
+  EXPECT_EQ(Enabled(), 2);
+  EXPECT_THAT(Map("enable --store $STORE --map yard --version 2").out,
+              HasSubstr("enabled already"));
+}
+
+TEST_F(MapVersions, OneThatNobodyUsesIsDeleted) {
+  ExpectFails("delete --store $STORE --map yard --version 1", "is the enabled one");
+  ASSERT_EQ(Map("import --store $STORE --from " + file_).exit_code, 0);
+  ExpectFails("delete --store $STORE --map yard --version 1", "has 1 open sessions");
+  ASSERT_EQ(Map("import --store $STORE --from " + file_).exit_code, 0);
+  EXPECT_EQ(Map("delete --store $STORE --map yard --version 2").exit_code, 0);
+  EXPECT_EQ(States(), (std::vector<std::string>{"DISABLED", "ENABLED"}));
+  EXPECT_EQ(Map("verify --store $STORE").exit_code, 0);
+}
+
+TEST_F(MapVersions, WhatIsNotThereIsNamed) {
+  for (const std::string command :
+       {"versions --map nowhere", "rollback --map nowhere", "enable --map nowhere --version 1",
+        "delete --map nowhere --version 1"}) {
+    ExpectFails(command + " --store $STORE", "map 'nowhere'");
+  }
+  EXPECT_EQ(Map("enable --store $STORE --map yard --version 0").exit_code, 2);
+}
+
+}  // namespace
+}  // namespace maploc::testing
