@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstdint>
 #include <cstring>
-#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -14,12 +13,15 @@
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 
+#include "server/app/seldom.h"
+
 namespace maploc {
 namespace {
 
-constexpr int kPauseMs = 100;  // until what the kernel lacks may be there again
-// The same refusal is told so often at most, however many are refused.
-constexpr std::chrono::minutes kTellAgain{1};
+// Between two looks at the uploads; also until what the kernel lacks may be there again.
+constexpr std::chrono::milliseconds kRound{20};
+// Of messages that have not arrived whole, on all connections; each may have 21 MB.
+constexpr std::uint64_t kMaxUploadBytes = 64 << 20;
 
 // Of the process or the machine, and over some time.
 bool IsShortage(int error) {
@@ -65,6 +67,12 @@ class Acceptor::Loop {
       }
     }
   }
+  void LimitUploads() {
+    if (connections_->LimitUploads(kMaxUploadBytes) > 0 && disconnected_.IsTime()) {
+      spdlog::warn("connections are ended: unfinished uploads take more than {} MiB",
+                   kMaxUploadBytes >> 20);
+    }
+  }
 
  private:
   void Lose(int error) const {
@@ -72,15 +80,13 @@ class Acceptor::Loop {
     options_.lost();
   }
   void Tell(const std::string& why) {
-    const auto now = std::chrono::steady_clock::now();
-    if (told_ && now - *told_ < kTellAgain) return;
-    told_ = now;
-    spdlog::warn("connections are refused: {}", why);
+    if (refused_.IsTime()) spdlog::warn("connections are refused: {}", why);
   }
 
   Connections* connections_;
   AcceptorOptions options_;
-  std::optional<std::chrono::steady_clock::time_point> told_;
+  Seldom refused_;
+  Seldom disconnected_;
 };
 
 Acceptor::Acceptor(ListeningSockets sockets, Connections* connections,
@@ -100,11 +106,16 @@ void Acceptor::Run(const ListeningSockets& sockets, Loop loop) const {
   std::vector<pollfd> waiting{{stop_.get(), POLLIN, 0}};
   for (const OwnedFd& socket : sockets.sockets) waiting.push_back({socket.get(), POLLIN, 0});
   bool pause = false;
+  auto next_look = std::chrono::steady_clock::now();
   while (true) {
     // In a pause only the end is waited for: the sockets are ready all the while.
-    poll(waiting.data(), pause ? 1 : waiting.size(), pause ? kPauseMs : -1);
+    poll(waiting.data(), pause ? 1 : waiting.size(), kRound.count());
     if (waiting.front().revents != 0) return;
     pause = false;
+    if (std::chrono::steady_clock::now() >= next_look) {
+      loop.LimitUploads();
+      next_look = std::chrono::steady_clock::now() + kRound;
+    }
     for (std::size_t i = 1; i < waiting.size(); ++i) {
       const Loop::Next next = loop.AcceptAll(waiting[i].fd);
       if (next == Loop::Next::kEnd) return;

@@ -1,5 +1,6 @@
-// Accepts connections in a thread of its own and hands them on; those beyond the limit are closed
-// at once. A process that is out of descriptors or memory goes on listening: the connections wait.
+// Accepts connections and limits their uploads in a thread of its own and hands them on; those
+// beyond the limit are closed at once. A process that is out of descriptors or memory goes on
+// listening: the connections wait.
 //
 // Thread-safe.
 #pragma once

@@ -3,10 +3,13 @@
 // closed. Thread-safe.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <mutex>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 #include <sys/types.h>
 
@@ -26,19 +29,37 @@ class Connections {
   void Abort(const std::string& peer);
   std::size_t max_open() const { return max_open_; }
 
+  // A call of this peer has arrived whole: what the connection has sent until now is no unfinished
+  // upload.
+  void NoteCall(const std::string& peer);
+  // Ends the connections whose upload lasts longest until all unfinished ones are `max_bytes` at
+  // most; how many it ended. A system call or two for each connection.
+  int LimitUploads(std::uint64_t max_bytes);
+
  private:
   struct Connection {
     dev_t device;
     ino_t inode;
     std::string peer;
+    std::uint64_t finished_bytes = 0;  // received until its last call
+    std::chrono::steady_clock::time_point upload_began;
+  };
+  struct Upload {
+    std::chrono::steady_clock::time_point began;
+    std::uint64_t bytes;
+    int fd;
   };
   static bool IsOpen(int fd, const Connection& connection);
+  // REQUIRES of these: mutex_ is held.
+  void ForgetClosed();
   bool AreTooMany();
+  std::vector<Upload> Uploads();
 
   const std::size_t max_open_;
   // Held while one is accepted, too: no number comes again while it is looked at.
   std::mutex mutex_;
   std::unordered_map<int, Connection> open_;  // a number that came again replaced the one before
+  std::unordered_map<std::string, int> fd_of_peer_;
 };
 
 }  // namespace maploc

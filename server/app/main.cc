@@ -4,6 +4,7 @@
 #include <iostream>
 #include <string>
 
+#include <absl/synchronization/mutex.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -60,6 +61,9 @@ int main(int argc, char** argv) {
   // Nor a limit on the size of files: the write fails, and whoever waits for it is told.
   std::signal(SIGXFSZ, SIG_IGN);
   maploc::RaiseDescriptorLimit();
+  // Debian builds Abseil so that each of gRPC's locks looks for deadlocks, in a graph of all locks:
+  // a third of the time of a short call.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   const sigset_t signals = BlockStopSignals();
   auto server =
       maploc::Caught([&] { return maploc::Server::Start(command_line.options, EndProcess); });

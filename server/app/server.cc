@@ -9,6 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "mapstore/store/sqlite_store.h"
+#include "server/app/call_rate.h"
 #include "server/app/listening_sockets.h"
 #include "server/app/port_file.h"
 
@@ -128,9 +129,10 @@ Status Server::Listen() {
   MAPLOC_ASSIGN_OR_RETURN(ListeningSockets sockets, ListenOn(options_.listen));
   EnablePlugins();
   grpc::ServerBuilder builder;
+  LimitTransport(&connections_, &builder);
   const std::shared_ptr<Handover> handover = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
-      grpc::InsecureServerCredentials());
+      InsecureLimitedCredentials());
   services_->Register(&builder);
   std::unique_ptr<grpc::Server> started = builder.BuildAndStart();
   if (started == nullptr) return Internal("gRPC does not start");

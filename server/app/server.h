@@ -19,6 +19,7 @@
 #include "mapstore/store/serve_lock.h"
 #include "server/app/acceptor.h"
 #include "server/app/connections.h"
+#include "server/app/memory_return.h"
 #include "server/app/options.h"
 #include "server/app/transport_limits.h"
 #include "server/service/services.h"
@@ -71,6 +72,7 @@ class Server {
   const ServerOptions options_;
   const std::function<void()> on_lost_;
   int port_ = 0;
+  const MemoryReturn memory_return_;
   std::optional<ServeLock> lock_;  // first, so that it is let go last; none: the store is read-only
   std::unique_ptr<MapStore> store_;
   Health health_{[this] { TellHealth(); }};

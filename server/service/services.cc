@@ -31,6 +31,9 @@ constexpr int kMaxMessageBytes =
 constexpr int kStoreThreads = 4;
 constexpr int kMaxWaitingStore = 256;
 
+// One of the largest messages, or a hundred usual ones.
+constexpr std::size_t kMaxWaitingBytes = 24 << 20;
+
 // Starts a call of one RPC on `pool`.
 template <typename Request, typename Response>
 Reactor* Run(const ServiceContext& services, WorkerPool& pool,
@@ -87,8 +90,8 @@ class MapImpl final : public RawMaps {
 struct Services::Impl {
   Impl(const ServiceContext& services, const ServicesOptions& options)
       : context(services),
-        localize(options.localize_threads, options.max_waiting_localize),
-        store(kStoreThreads, kMaxWaitingStore),
+        localize(options.localize_threads, options.max_waiting_localize, kMaxWaitingBytes),
+        store(kStoreThreads, kMaxWaitingStore, kMaxWaitingBytes),
         localization(context, localize, store),
         maps(context, store) {}
 

@@ -29,7 +29,7 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
                                          const grpc::ByteBuffer* request,
                                          grpc::ByteBuffer* response) {
     auto* call = new UnaryCall(services, handler, context, request, response);
-    const WorkerPool::Admission admission = pool.Submit([call] { call->Run(); });
+    const WorkerPool::Admission admission = pool.Submit(request->Length(), [call] { call->Run(); });
     if (admission == WorkerPool::Admission::kFull) {
       call->FinishWith(ResourceExhausted("QUEUE_FULL", "too many requests wait; try again"));
     } else if (admission == WorkerPool::Admission::kClosed) {
@@ -70,7 +70,10 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
   Status Answer() {
     Request request;
     grpc::ByteBuffer bytes(*request_);  // shares them; parsing empties it
-    if (!grpc::SerializationTraits<Request>::Deserialize(&bytes, &request).ok()) {
+    const bool parsed = grpc::SerializationTraits<Request>::Deserialize(&bytes, &request).ok();
+    // gRPC does not look at it again; while the call runs it would double the largest messages.
+    const_cast<grpc::ByteBuffer*>(request_)->Clear();
+    if (!parsed) {
       return NotParsed(Request::descriptor()->full_name());
     }
     Response response;

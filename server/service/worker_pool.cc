@@ -6,8 +6,9 @@
 
 namespace maploc {
 
-WorkerPool::WorkerPool(int threads, int max_waiting)
-    : max_jobs_(static_cast<std::size_t>(threads) + static_cast<std::size_t>(max_waiting)) {
+WorkerPool::WorkerPool(int threads, int max_waiting, std::size_t max_waiting_bytes)
+    : max_jobs_(static_cast<std::size_t>(threads) + static_cast<std::size_t>(max_waiting)),
+      max_waiting_bytes_(max_waiting_bytes) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Run(); });
 }
 
@@ -21,12 +22,14 @@ WorkerPool::~WorkerPool() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-WorkerPool::Admission WorkerPool::Submit(std::function<void()> job) {
+WorkerPool::Admission WorkerPool::Submit(std::size_t bytes, std::function<void()> job) {
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return Admission::kClosed;
     if (jobs_.size() + running_ >= max_jobs_) return Admission::kFull;
-    jobs_.push_back(std::move(job));
+    if (waiting_bytes_ + bytes > max_waiting_bytes_) return Admission::kFull;
+    jobs_.push_back({bytes, std::move(job)});
+    waiting_bytes_ += bytes;
   }
   work_.notify_one();
   return Admission::kAccepted;
@@ -47,11 +50,12 @@ void WorkerPool::Run() {
   while (true) {
     work_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
     if (jobs_.empty()) return;
-    const std::function<void()> job = std::move(jobs_.front());
+    const Job job = std::move(jobs_.front());
     jobs_.pop_front();
+    waiting_bytes_ -= job.bytes;
     ++running_;
     lock.unlock();
-    static_cast<void>(Caught([&] { return job(), Status::Ok(); }));
+    static_cast<void>(Caught([&] { return job.run(), Status::Ok(); }));
     lock.lock();
     --running_;
     if (jobs_.empty() && running_ == 0) idle_.notify_all();

@@ -1,4 +1,5 @@
 // Connections: too many of them, and sockets that listen no more.
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <set>

@@ -19,29 +19,47 @@ TEST(WorkerPoolTest, RefusesWhatDoesNotFitAndRunsTheRest) {
     ++done;
   };
   {
-    WorkerPool pool(2, 3);
-    for (int i = 0; i < 5; ++i) EXPECT_EQ(pool.Submit(job), WorkerPool::Admission::kAccepted);
-    EXPECT_EQ(pool.Submit(job), WorkerPool::Admission::kFull);
+    WorkerPool pool(2, 3, 100);
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(pool.Submit(1, job), WorkerPool::Admission::kAccepted);
+    EXPECT_EQ(pool.Submit(1, job), WorkerPool::Admission::kFull);
     EXPECT_FALSE(pool.WaitUntilIdle(std::chrono::steady_clock::now()));
     gate.set_value();
     EXPECT_TRUE(pool.WaitUntilIdle(std::chrono::steady_clock::now() + 60s));
     EXPECT_EQ(done, 5);
-    EXPECT_EQ(pool.Submit(job), WorkerPool::Admission::kAccepted);
+    EXPECT_EQ(pool.Submit(1, job), WorkerPool::Admission::kAccepted);
   }
   EXPECT_EQ(done, 6);  // what was accepted is finished, also at the end
+}
+
+TEST(WorkerPoolTest, RefusesWhatHoldsTooMuchMemoryWhileItWaits) {
+  std::promise<void> started;
+  std::promise<void> gate;
+  WorkerPool pool(1, 9, 100);
+  ASSERT_EQ(pool.Submit(100,
+                        [&] {
+                          started.set_value();
+                          gate.get_future().wait();
+                        }),
+            WorkerPool::Admission::kAccepted);
+  started.get_future().wait();
+  EXPECT_EQ(pool.Submit(60, [] {}), WorkerPool::Admission::kAccepted);
+  EXPECT_EQ(pool.Submit(60, [] {}), WorkerPool::Admission::kFull);
+  EXPECT_EQ(pool.Submit(40, [] {}), WorkerPool::Admission::kAccepted);
+  gate.set_value();
 }
 
 TEST(WorkerPoolTest, ClosedItFinishesWhatItHas) {
   std::promise<void> gate;
   std::atomic<bool> done = false;
-  WorkerPool pool(1, 1);
-  ASSERT_EQ(pool.Submit([&] {
-    gate.get_future().wait();
-    done = true;
-  }),
+  WorkerPool pool(1, 1, 100);
+  ASSERT_EQ(pool.Submit(1,
+                        [&] {
+                          gate.get_future().wait();
+                          done = true;
+                        }),
             WorkerPool::Admission::kAccepted);
   pool.Close();
-  EXPECT_EQ(pool.Submit([] {}), WorkerPool::Admission::kClosed);
+  EXPECT_EQ(pool.Submit(1, [] {}), WorkerPool::Admission::kClosed);
   gate.set_value();
   EXPECT_TRUE(pool.WaitUntilIdle(std::chrono::steady_clock::now() + 60s));
   EXPECT_TRUE(done);
