@@ -29,9 +29,11 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
                                          const grpc::ByteBuffer* request,
                                          grpc::ByteBuffer* response) {
     auto* call = new UnaryCall(services, handler, context, request, response);
-    const WorkerPool::Admission admission = pool.Submit(request->Length(), [call] { call->Run(); });
+    const WorkerPool::Admission admission = pool.Submit(
+        context->peer(),
+        {request->Length(), [call] { call->Run(); }, [call] { call->FinishWith(QueueFull()); }});
     if (admission == WorkerPool::Admission::kFull) {
-      call->FinishWith(ResourceExhausted("QUEUE_FULL", "too many requests wait; try again"));
+      call->FinishWith(QueueFull());
     } else if (admission == WorkerPool::Admission::kClosed) {
       call->FinishWith(Status(StatusCode::kUnavailable, "SHUTTING_DOWN", "the server is stopping"));
     }
@@ -53,6 +55,10 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
     return std::chrono::steady_clock::now() +
            (left < kMaxCallTime ? std::chrono::duration_cast<std::chrono::nanoseconds>(left)
                                 : kMaxCallTime);
+  }
+
+  static Status QueueFull() {
+    return ResourceExhausted("QUEUE_FULL", "too many requests wait; try again");
   }
 
   void Run() { FinishWith(Handle()); }

@@ -35,7 +35,9 @@ struct SessionManagerOptions {
   std::chrono::milliseconds flush_interval{100};
   // A session without queries for this long is ended as kIdle; zero: never.
   std::chrono::milliseconds idle_timeout{std::chrono::minutes(30)};
+  // When as many are open, the oldest one without a query ends for a new one.
   std::size_t max_open_sessions = 10000;
+  std::size_t max_open_sessions_of_robot = 100;  // one works in one; the rest are forgotten ones
   // Queries are refused (UNAVAILABLE) while this many observations wait for a store that fails.
   std::size_t max_unsaved_observations = 100000;
   Health* health = nullptr;  // outlives the manager; null: nobody asks, failures are logged alone
@@ -133,6 +135,9 @@ class SessionManager {
   void Remember(const Session& session);
   void ForgetOldRequests();
   Result<std::optional<Session>> FindRepeated(const NewSession& request) const;
+  Status MakeRoom(const std::string& robot);
+  // The one that has waited longest for its first query; null: each had one.
+  std::shared_ptr<Open> ClaimUnused();
   Result<Session> StartNew(const NewSession& request);
   Status ClosedOrUnknown(const SessionId& id) const;
   bool Wait(std::unique_lock<std::mutex>& lock, Deadline deadline,
