@@ -8,6 +8,7 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <spdlog/spdlog.h>
 
+#include "mapstore/base/wait_limit.h"
 #include "mapstore/store/sqlite_store.h"
 #include "server/app/call_rate.h"
 #include "server/app/listening_sockets.h"
@@ -176,15 +177,16 @@ Status Server::Shutdown() {
     }
     state_ = State::kStopping;
   }
-  const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
+  const auto begin = std::chrono::steady_clock::now();
   if (grpc_server_ != nullptr) {
     grpc_server_->GetHealthCheckService()->SetServingStatus(false);
-    if (!services_->Drain(deadline)) spdlog::warn("some requests are cut off unfinished");
+    if (!services_->Drain(begin + kDrainTime)) spdlog::warn("some requests are cut off unfinished");
     acceptor_.reset();
     // Nothing of ours runs any more; what is left are watchers of the health, who are to hear it.
     grpc_server_->Shutdown(std::chrono::system_clock::now() + kTimeOfWatchers);
     grpc_server_->Wait();
   }
+  const WaitLimit limit(begin + kWriteOutTime);
   Status status = WriteOut().WithContext("statistics are not on disk");
   if (!options_.port_file.empty()) RemovePortFile(options_.port_file);
   {

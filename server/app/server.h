@@ -29,8 +29,10 @@
 
 namespace maploc {
 
-// How long running requests may go on after the end was asked for.
-inline constexpr std::chrono::seconds kDrainTime{10};
+// How long running requests may go on after the end was asked for, and until when what was learned
+// must be on disk; a store that another process holds so long ends without it.
+inline constexpr std::chrono::seconds kDrainTime{7};
+inline constexpr std::chrono::seconds kWriteOutTime{9};
 
 class Server {
  public:

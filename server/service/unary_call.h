@@ -8,6 +8,7 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include "mapstore/base/wait_limit.h"
 #include "server/service/grpc_status.h"
 #include "server/service/service_context.h"
 #include "server/service/worker_pool.h"
@@ -17,6 +18,9 @@ namespace maploc {
 
 // What a client may ask for at most; also the deadline of those that set none.
 inline constexpr std::chrono::seconds kMaxCallTime{60};
+
+// Before its deadline a call gives up waiting for others, so that the client hears why.
+inline constexpr std::chrono::milliseconds kAnswerTime{100};
 
 template <typename Request, typename Response>
 class UnaryCall final : public grpc::ServerUnaryReactor {
@@ -82,6 +86,7 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
     if (!parsed) {
       return NotParsed(Request::descriptor()->full_name());
     }
+    const WaitLimit limit(deadline_ - kAnswerTime, &cancelled_);
     Response response;
     MAPLOC_RETURN_IF_ERROR(handler_(services_, {deadline_, &cancelled_}, request, &response));
     bool owned = false;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "mapstore/base/wait_limit.h"
 #include "mapstore/store/validation.h"
 #include "server/sessions/open_session.h"
 #include "server/sessions/session_id.h"
@@ -126,7 +127,11 @@ Result<std::optional<Session>> SessionManager::FindRepeated(const NewSession& re
 
 Result<Session> SessionManager::Start(const NewSession& request) {
   MAPLOC_RETURN_IF_ERROR(CheckLabels(request.labels));
-  const std::lock_guard start_lock(start_mutex_);
+  const std::unique_lock start_lock(start_mutex_, WaitLimit::CurrentDeadline());
+  if (!start_lock) {
+    return Status(StatusCode::kUnavailable, "STORE_BUSY",
+                  "other sessions wait to be started; try again");
+  }
   ForgetOldRequests();
   MAPLOC_ASSIGN_OR_RETURN(std::optional<Session> repeated, FindRepeated(request));
   if (repeated) return *std::move(repeated);
