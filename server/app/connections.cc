@@ -41,7 +41,7 @@ std::string PeerName(const sockaddr_storage& address) {
 // What was sent and not read is dropped, too.
 void Disconnect(int fd) {
   const sockaddr nobody{};  // AF_UNSPEC
-  connect(fd, &nobody, sizeof(nobody));
+  static_cast<void>(connect(fd, &nobody, sizeof(nobody)));
 }
 
 std::uint64_t ReceivedBytes(int fd) {
