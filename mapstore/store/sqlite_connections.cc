@@ -1,7 +1,11 @@
 #include "mapstore/store/sqlite_connections.h"
 
+#include <algorithm>
+#include <chrono>
+
 #include <sqlite3.h>
 
+#include "mapstore/base/wait_limit.h"
 #include "mapstore/store/sqlite_file.h"
 #include "mapstore/store/sqlite_stamp.h"
 
@@ -90,6 +94,11 @@ void SqliteConnections::FoldLogOfMovedStore() {
   folded_ = writer_.Execute("PRAGMA wal_checkpoint(TRUNCATE)").ok();
 }
 
+Deadline SqliteConnections::LatestStart() const {
+  const auto timeout = std::chrono::milliseconds(options_.busy_timeout_ms);
+  return std::min(WaitLimit::CurrentDeadline(), std::chrono::steady_clock::now() + timeout);
+}
+
 Result<SqliteConnections::Reader> SqliteConnections::Read() {
   Reader reader(*this);
   Status status = Begin(reader);
@@ -117,6 +126,10 @@ Result<SqliteConnections::Writer> SqliteConnections::Write() {
                                   "file, its folder or its disk is read-only for this user)");
   }
   Writer writer(*this);
+  if (!writer.lock_) {
+    return Status(StatusCode::kUnavailable, "STORE_BUSY",
+                  path() + ": others wait to write into the store; try again");
+  }
   if (const Status status = identity_->CheckPaths(); !status.ok()) {
     FoldLogOfMovedStore();
     return status;

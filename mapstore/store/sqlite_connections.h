@@ -1,6 +1,9 @@
 // A store's connections: one that writes, behind a mutex, and some that read, each used by one
 // thread at a time. With write-ahead logging no reader waits for the writer. Thread-safe.
 //
+// A writer waits for another one until the busy timeout or the thread's WaitLimit, then it is
+// UNAVAILABLE (STORE_BUSY).
+//
 // Where nothing may be written (CanWriteStore) Write is STORE_READ_ONLY.
 //
 // Every read and write begins, and every commit ends, with a look whether the path still names the
@@ -14,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "mapstore/base/clock.h"
 #include "mapstore/base/status.h"
 #include "mapstore/store/sqlite_database.h"
 #include "mapstore/store/sqlite_identity.h"
@@ -52,10 +56,12 @@ class SqliteConnections {
    private:
     friend class SqliteConnections;
     explicit Writer(SqliteConnections& owner)
-        : owner_(&owner), lock_(owner.write_mutex_), database_(&owner.writer_) {}
+        : owner_(&owner),
+          lock_(owner.write_mutex_, owner.LatestStart()),
+          database_(&owner.writer_) {}
 
     SqliteConnections* owner_;
-    std::unique_lock<std::mutex> lock_;  // before the transaction, so that it is let go last
+    std::unique_lock<std::timed_mutex> lock_;  // before the transaction, so that it is let go last
     SqliteDatabase* database_;
     std::unique_ptr<SqliteTransaction> transaction_;
   };
@@ -76,6 +82,8 @@ class SqliteConnections {
   SqliteConnections(SqliteDatabase writer, std::unique_ptr<SqliteIdentity> identity,
                     const SqliteStoreOptions& options);
 
+  // Until when a writer waits for this process's others, as for another process's.
+  Deadline LatestStart() const;
   Status Begin(Reader& reader);
   // REQUIRES: write_mutex_ is held and no transaction runs (both).
   void FoldLog();
@@ -84,7 +92,7 @@ class SqliteConnections {
   void GiveBack(std::unique_ptr<SqliteDatabase> database);
 
   const SqliteStoreOptions options_;
-  std::mutex write_mutex_;
+  std::timed_mutex write_mutex_;
   SqliteDatabase writer_;  // guarded by write_mutex_
   int log_pages_ = 0;      // in the log after the last commit; guarded by write_mutex_
   bool folded_ = false;    // guarded by write_mutex_

@@ -11,6 +11,7 @@
 
 #include <sqlite3.h>
 
+#include "mapstore/base/wait_limit.h"
 #include "mapstore/store/beside_store.h"
 
 namespace maploc {
@@ -49,6 +50,7 @@ std::string FileAloneUri(const std::string& path) {
 // EndSession that sleeps.
 int WaitForLock(void* timeout_ms, int times_before) {
   if (times_before >= reinterpret_cast<std::intptr_t>(timeout_ms)) return 0;
+  if (WaitLimit::HasPassed()) return 0;
   std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return 1;
 }

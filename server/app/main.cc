@@ -4,12 +4,15 @@
 #include <iostream>
 #include <string>
 
+#include <absl/synchronization/mutex.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "mapstore/base/standard_output.h"
 #include "server/app/options.h"
 #include "server/app/server.h"
+#include "server/app/transport_limits.h"
 #include "server/sessions/caught.h"
 
 namespace {
@@ -30,6 +33,9 @@ sigset_t BlockStopSignals() {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
 }
+
+// As a signal from outside would, for the waiting main thread.
+void EndProcess() { kill(getpid(), SIGTERM); }
 
 int Fail(const maploc::Status& status) {
   std::cerr << "maploc-server: " << status.message() << " (" << status.reason() << ")\n";
@@ -54,8 +60,13 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   // Nor a limit on the size of files: the write fails, and whoever waits for it is told.
   std::signal(SIGXFSZ, SIG_IGN);
+  maploc::RaiseDescriptorLimit();
+  // Debian builds Abseil so that each of gRPC's locks looks for deadlocks, in a graph of all locks:
+  // a third of the time of a short call.
+  absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   const sigset_t signals = BlockStopSignals();
-  auto server = maploc::Caught([&] { return maploc::Server::Start(command_line.options); });
+  auto server =
+      maploc::Caught([&] { return maploc::Server::Start(command_line.options, EndProcess); });
   if (!server.ok()) return Fail(server.status());
   int signal = 0;
   sigwait(&signals, &signal);

@@ -8,7 +8,10 @@
 #include <grpcpp/health_check_service_interface.h>
 #include <spdlog/spdlog.h>
 
+#include "mapstore/base/wait_limit.h"
 #include "mapstore/store/sqlite_store.h"
+#include "server/app/call_rate.h"
+#include "server/app/listening_sockets.h"
 #include "server/app/port_file.h"
 
 namespace maploc {
@@ -45,26 +48,18 @@ Result<std::optional<ServeLock>> Lock(const std::string& store) {
   return std::optional<ServeLock>(std::move(lock));
 }
 
-Status CannotListen(const std::string& address) {
-  return Status(
-      StatusCode::kUnavailable, "CANNOT_LISTEN",
-      "cannot listen on " + address + "; is the port in use, or the host not this machine's?");
+Status ListenerLost(const std::string& address) {
+  return Status(StatusCode::kUnavailable, "LISTENER_LOST",
+                "no new robot could connect to " + address +
+                    " any more, so the server has ended; start it again");
 }
 
-// Without reuse a second server would share the port and take half of the requests.
-void ListenOn(const std::string& address, int* port, grpc::ServerBuilder* builder) {
-  builder->AddListeningPort(address, grpc::InsecureServerCredentials(), port);
-  builder->AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-}
+using Handover = grpc::experimental::ExternalConnectionAcceptor;
 
-// Looks with a server of no services, which ends at once: a fresh store is not to be made where
-// nobody will serve it.
-Status CheckCanListen(const std::string& address) {
-  grpc::ServerBuilder builder;
-  int port = 0;
-  ListenOn(address, &port, &builder);
-  const std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
-  return server != nullptr && port != 0 ? Status::Ok() : CannotListen(address);
+void HandOver(Handover& handover, int fd) {
+  Handover::NewConnectionParameters connection;
+  connection.fd = fd;
+  handover.HandleNewConnection(&connection);
 }
 
 // Before the server is built; once a process.
@@ -80,19 +75,25 @@ void EnablePlugins() {
 }  // namespace
 
 Server::Server(const ServerOptions& options, std::unique_ptr<MapStore> store,
-               std::optional<ServeLock> lock)
-    : options_(options), lock_(std::move(lock)), store_(std::move(store)) {}
+               std::optional<ServeLock> lock, std::function<void()> on_lost)
+    : options_(options),
+      on_lost_(std::move(on_lost)),
+      lock_(std::move(lock)),
+      store_(std::move(store)) {}
 
-Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options) {
+Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options,
+                                              std::function<void()> on_lost) {
   std::error_code none;
   const auto bytes = std::filesystem::file_size(options.store, none);
-  if (none || bytes == 0) MAPLOC_RETURN_IF_ERROR(CheckCanListen(options.listen));
+  // A fresh store is not to be made where nobody will serve it.
+  if (none || bytes == 0) MAPLOC_RETURN_IF_ERROR(ListenOn(options.listen).status());
   // First: until it is held, port file and store may be another server's.
   MAPLOC_ASSIGN_OR_RETURN(std::optional<ServeLock> lock, Lock(options.store));
   // A port of an earlier run must not be taken for ours.
   if (!options.port_file.empty()) RemovePortFile(options.port_file);
   MAPLOC_ASSIGN_OR_RETURN(std::unique_ptr<MapStore> store, OpenStore(options.store));
-  std::unique_ptr<Server> server(new Server(options, std::move(store), std::move(lock)));
+  std::unique_ptr<Server> server(
+      new Server(options, std::move(store), std::move(lock), std::move(on_lost)));
   MAPLOC_RETURN_IF_ERROR(server->StartDomain());
   MAPLOC_RETURN_IF_ERROR(server->Listen());
   if (!options.port_file.empty()) {
@@ -126,16 +127,24 @@ Status Server::StartDomain() {
 }
 
 Status Server::Listen() {
+  MAPLOC_ASSIGN_OR_RETURN(ListeningSockets sockets, ListenOn(options_.listen));
   EnablePlugins();
   grpc::ServerBuilder builder;
-  ListenOn(options_.listen, &port_, &builder);
+  LimitTransport(&connections_, &builder);
+  const std::shared_ptr<Handover> handover = builder.experimental().AddExternalConnectionAcceptor(
+      grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+      InsecureLimitedCredentials());
   services_->Register(&builder);
   std::unique_ptr<grpc::Server> started = builder.BuildAndStart();
+  if (started == nullptr) return Internal("gRPC does not start");
   {
     const std::lock_guard lock(mutex_);
     grpc_server_ = std::move(started);
   }
-  if (grpc_server_ == nullptr || port_ == 0) return CannotListen(options_.listen);
+  port_ = sockets.port;
+  acceptor_ = std::make_unique<Acceptor>(
+      std::move(sockets), &connections_,
+      AcceptorOptions{[handover](int fd) { HandOver(*handover, fd); }, [this] { LoseListener(); }});
   // Asked for by name, or for the server as a whole; TellHealth turns all that are known.
   for (const std::string& name : Services::Names()) {
     grpc_server_->GetHealthCheckService()->SetServingStatus(name, true);
@@ -143,6 +152,14 @@ Status Server::Listen() {
   TellHealth();
   spdlog::info("serving {} on port {} with {} workers", options_.store, port_, Workers(options_));
   return Status::Ok();
+}
+
+void Server::LoseListener() {
+  {
+    const std::lock_guard lock(mutex_);
+    listener_lost_ = true;
+  }
+  if (on_lost_) on_lost_();
 }
 
 void Server::TellHealth() {
@@ -160,18 +177,21 @@ Status Server::Shutdown() {
     }
     state_ = State::kStopping;
   }
-  const auto deadline = std::chrono::steady_clock::now() + kDrainTime;
+  const auto begin = std::chrono::steady_clock::now();
   if (grpc_server_ != nullptr) {
     grpc_server_->GetHealthCheckService()->SetServingStatus(false);
-    if (!services_->Drain(deadline)) spdlog::warn("some requests are cut off unfinished");
+    if (!services_->Drain(begin + kDrainTime)) spdlog::warn("some requests are cut off unfinished");
+    acceptor_.reset();
     // Nothing of ours runs any more; what is left are watchers of the health, who are to hear it.
     grpc_server_->Shutdown(std::chrono::system_clock::now() + kTimeOfWatchers);
     grpc_server_->Wait();
   }
-  const Status status = WriteOut().WithContext("statistics are not on disk");
+  const WaitLimit limit(begin + kWriteOutTime);
+  Status status = WriteOut().WithContext("statistics are not on disk");
   if (!options_.port_file.empty()) RemovePortFile(options_.port_file);
   {
     const std::lock_guard lock(mutex_);
+    if (status.ok() && listener_lost_) status = ListenerLost(options_.listen);
     state_ = State::kStopped;
     stopped_ = status;
   }

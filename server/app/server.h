@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -16,7 +17,11 @@
 #include "mapstore/base/status.h"
 #include "mapstore/store/map_store.h"
 #include "mapstore/store/serve_lock.h"
+#include "server/app/acceptor.h"
+#include "server/app/connections.h"
+#include "server/app/memory_return.h"
 #include "server/app/options.h"
+#include "server/app/transport_limits.h"
 #include "server/service/services.h"
 #include "server/sessions/health.h"
 #include "server/sessions/map_cache.h"
@@ -24,8 +29,10 @@
 
 namespace maploc {
 
-// How long running requests may go on after the end was asked for.
-inline constexpr std::chrono::seconds kDrainTime{10};
+// How long running requests may go on after the end was asked for, and until when what was learned
+// must be on disk; a store that another process holds so long ends without it.
+inline constexpr std::chrono::seconds kDrainTime{7};
+inline constexpr std::chrono::seconds kWriteOutTime{9};
 
 class Server {
  public:
@@ -33,8 +40,10 @@ class Server {
   // the address is free), sweeps abandoned imports, takes up open sessions, listens, and writes the
   // port file: when it returns ok, the server answers. Errors name the cause and the cure. From
   // then on health is SERVING while statistics can be written and the store is the one that was
-  // opened.
-  static Result<std::unique_ptr<Server>> Start(const ServerOptions& options);
+  // opened. `on_lost` is called by a thread of the server's when no connection can be accepted any
+  // more; it asks for the end, whose Status then is UNAVAILABLE (LISTENER_LOST).
+  static Result<std::unique_ptr<Server>> Start(const ServerOptions& options,
+                                               std::function<void()> on_lost = {});
   // Shuts down.
   ~Server();
   Server(const Server&) = delete;
@@ -52,28 +61,34 @@ class Server {
 
  private:
   Server(const ServerOptions& options, std::unique_ptr<MapStore> store,
-         std::optional<ServeLock> lock);
+         std::optional<ServeLock> lock, std::function<void()> on_lost);
   Status StartDomain();
   Status Listen();
   // An error where what was learned is not in the file at the store's path.
   Status WriteOut();
   bool IsStopped();
+  void LoseListener();
   // Tells the watchers of gRPC's health what the threads report, until the end has begun.
   void TellHealth();
 
   const ServerOptions options_;
+  const std::function<void()> on_lost_;
   int port_ = 0;
+  const MemoryReturn memory_return_;
   std::optional<ServeLock> lock_;  // first, so that it is let go last; none: the store is read-only
   std::unique_ptr<MapStore> store_;
   Health health_{[this] { TellHealth(); }};
   std::unique_ptr<SessionManager> sessions_;
   std::unique_ptr<MapCache> maps_;
   std::unique_ptr<Services> services_;
+  Connections connections_{MaxConnections()};
   std::unique_ptr<grpc::Server> grpc_server_;
+  std::unique_ptr<Acceptor> acceptor_;
 
   std::mutex mutex_;
   std::condition_variable changed_;
   enum class State { kServing, kStopping, kStopped } state_ = State::kServing;
+  bool listener_lost_ = false;
   Status stopped_;
 };
 

@@ -1,7 +1,9 @@
 #include "server/service/grpc_status.h"
 
-#include <optional>
+#include <algorithm>
+#include <iterator>
 #include <string>
+#include <string_view>
 
 #include <spdlog/spdlog.h>
 
@@ -10,15 +12,28 @@
 namespace maploc {
 namespace {
 
-// A full queue is a matter of a few localizations; sessions end in minutes. A request that is too
-// large stays too large.
-std::optional<int> RetryDelayMs(const Status& status) {
-  if (status.reason() == "QUEUE_FULL") return 100;
-  if (status.reason() == "TOO_MANY_SESSIONS") return 10000;
-  return std::nullopt;
-}
+struct Delay {
+  std::string_view reason;
+  int ms;
+};
+
+// A full queue is a matter of a few localizations, another process's transaction of a second;
+// sessions end in minutes; a disk waits for a person.
+constexpr Delay kDelays[] = {{"QUEUE_FULL", 100},          {"MAP_MOVES", 100},
+                             {"SESSION_BUSY", 100},        {"STORE_BUSY", 1000},
+                             {"SHUTTING_DOWN", 1000},      {"STATISTICS_BACKLOG", 5000},
+                             {"TOO_MANY_SESSIONS", 10000}, {"DISK_FULL", 10000}};
+constexpr int kOtherUnavailableMs = 10000;
 
 }  // namespace
+
+std::optional<int> RetryDelayMs(const Status& status) {
+  const auto* const found = std::ranges::find(kDelays, status.reason(), &Delay::reason);
+  if (found != std::end(kDelays)) return found->ms;
+  // A message that is too large is RESOURCE_EXHAUSTED too, and stays too large.
+  if (status.code() == StatusCode::kUnavailable) return kOtherUnavailableMs;
+  return std::nullopt;
+}
 
 grpc::Status ToGrpc(const Status& status, const std::string& store_path,
                     grpc::CallbackServerContext* context) {

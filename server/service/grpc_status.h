@@ -1,6 +1,7 @@
 // Failure as gRPC tells it: the same code, the reason behind the message and as trailing metadata.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <grpcpp/grpcpp.h>
@@ -14,6 +15,10 @@ inline constexpr char kReasonMetadata[] = "maploc-reason";
 // Trailing metadata: milliseconds after which a repetition may succeed (gRFC A6); only where it
 // may.
 inline constexpr char kRetryDelayMetadata[] = "grpc-retry-pushback-ms";
+
+// After how many milliseconds a repetition may succeed; nullopt: it never will. A call that is
+// refused with a time has changed and counted nothing.
+std::optional<int> RetryDelayMs(const Status& status);
 
 // Adds the metadata to `context`. The server's own accidents (INTERNAL, DATA_LOSS) are logged, and
 // nobody is told where its store lies.

@@ -27,9 +27,14 @@ using RawMaps = v1::MapService::WithRawCallbackMethod_ListMaps<
 constexpr int kMaxMessageBytes =
     kMaxFeatures * (2 * 4 + kMaxDescriptorBytes + 4 * 4 + kMaxDescriptorBytes) + (1 << 20);
 
-// Sessions and maps: short reads and transactions that wait for the disk, not for a core.
-constexpr int kStoreThreads = 4;
+// Sessions: transactions that wait for the disk and for each other, not for a core. Maps: short
+// reads, which wait for nobody, whoever holds the store.
+constexpr int kSessionThreads = 4;
+constexpr int kMapThreads = 2;
 constexpr int kMaxWaitingStore = 256;
+
+// One of the largest messages, or a hundred usual ones.
+constexpr std::size_t kMaxWaitingBytes = 24 << 20;
 
 // Starts a call of one RPC on `pool`.
 template <typename Request, typename Response>
@@ -41,45 +46,45 @@ Reactor* Run(const ServiceContext& services, WorkerPool& pool,
 
 class LocalizationImpl final : public RawLocalization {
  public:
-  LocalizationImpl(const ServiceContext& services, WorkerPool& localize, WorkerPool& store)
-      : services_(services), localize_(localize), store_(store) {}
+  LocalizationImpl(const ServiceContext& services, WorkerPool& localize, WorkerPool& sessions)
+      : services_(services), localize_(localize), sessions_(sessions) {}
 
   Reactor* StartSession(Context* context, const Bytes* request, Bytes* response) override {
-    return Run(services_, store_, HandleStartSession, context, request, response);
+    return Run(services_, sessions_, HandleStartSession, context, request, response);
   }
   Reactor* Localize(Context* context, const Bytes* request, Bytes* response) override {
     return Run(services_, localize_, HandleLocalize, context, request, response);
   }
   Reactor* EndSession(Context* context, const Bytes* request, Bytes* response) override {
-    return Run(services_, store_, HandleEndSession, context, request, response);
+    return Run(services_, sessions_, HandleEndSession, context, request, response);
   }
 
  private:
   const ServiceContext& services_;
   WorkerPool& localize_;
-  WorkerPool& store_;
+  WorkerPool& sessions_;
 };
 
 class MapImpl final : public RawMaps {
  public:
-  MapImpl(const ServiceContext& services, WorkerPool& store) : services_(services), store_(store) {}
+  MapImpl(const ServiceContext& services, WorkerPool& pool) : services_(services), pool_(pool) {}
 
   Reactor* ListMaps(Context* context, const Bytes* request, Bytes* response) override {
-    return Run(services_, store_, HandleListMaps, context, request, response);
+    return Run(services_, pool_, HandleListMaps, context, request, response);
   }
   Reactor* GetMap(Context* context, const Bytes* request, Bytes* response) override {
-    return Run(services_, store_, HandleGetMap, context, request, response);
+    return Run(services_, pool_, HandleGetMap, context, request, response);
   }
   Reactor* ListSegments(Context* context, const Bytes* request, Bytes* response) override {
-    return Run(services_, store_, HandleListSegments, context, request, response);
+    return Run(services_, pool_, HandleListSegments, context, request, response);
   }
   Reactor* GetSegment(Context* context, const Bytes* request, Bytes* response) override {
-    return Run(services_, store_, HandleGetSegment, context, request, response);
+    return Run(services_, pool_, HandleGetSegment, context, request, response);
   }
 
  private:
   const ServiceContext& services_;
-  WorkerPool& store_;
+  WorkerPool& pool_;
 };
 
 }  // namespace
@@ -87,14 +92,16 @@ class MapImpl final : public RawMaps {
 struct Services::Impl {
   Impl(const ServiceContext& services, const ServicesOptions& options)
       : context(services),
-        localize(options.localize_threads, options.max_waiting_localize),
-        store(kStoreThreads, kMaxWaitingStore),
-        localization(context, localize, store),
-        maps(context, store) {}
+        localize(options.localize_threads, options.max_waiting_localize, kMaxWaitingBytes),
+        sessions(kSessionThreads, kMaxWaitingStore, kMaxWaitingBytes),
+        reads(kMapThreads, kMaxWaitingStore, kMaxWaitingBytes),
+        localization(context, localize, sessions),
+        maps(context, reads) {}
 
   const ServiceContext context;
   WorkerPool localize;
-  WorkerPool store;
+  WorkerPool sessions;
+  WorkerPool reads;
   LocalizationImpl localization;
   MapImpl maps;
 };
@@ -115,10 +122,11 @@ void Services::Register(grpc::ServerBuilder* builder) {
 }
 
 bool Services::Drain(Deadline deadline) {
-  impl_->localize.Close();
-  impl_->store.Close();
-  const bool idle = impl_->localize.WaitUntilIdle(deadline);
-  return impl_->store.WaitUntilIdle(deadline) && idle;
+  const auto pools = {&impl_->localize, &impl_->sessions, &impl_->reads};
+  for (WorkerPool* pool : pools) pool->Close();
+  bool idle = true;
+  for (WorkerPool* pool : pools) idle = pool->WaitUntilIdle(deadline) && idle;
+  return idle;
 }
 
 }  // namespace maploc

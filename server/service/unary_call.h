@@ -8,6 +8,7 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include "mapstore/base/wait_limit.h"
 #include "server/service/grpc_status.h"
 #include "server/service/service_context.h"
 #include "server/service/worker_pool.h"
@@ -17,6 +18,9 @@ namespace maploc {
 
 // What a client may ask for at most; also the deadline of those that set none.
 inline constexpr std::chrono::seconds kMaxCallTime{60};
+
+// Before its deadline a call gives up waiting for others, so that the client hears why.
+inline constexpr std::chrono::milliseconds kAnswerTime{100};
 
 template <typename Request, typename Response>
 class UnaryCall final : public grpc::ServerUnaryReactor {
@@ -29,9 +33,11 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
                                          const grpc::ByteBuffer* request,
                                          grpc::ByteBuffer* response) {
     auto* call = new UnaryCall(services, handler, context, request, response);
-    const WorkerPool::Admission admission = pool.Submit([call] { call->Run(); });
+    const WorkerPool::Admission admission = pool.Submit(
+        context->peer(),
+        {request->Length(), [call] { call->Run(); }, [call] { call->FinishWith(QueueFull()); }});
     if (admission == WorkerPool::Admission::kFull) {
-      call->FinishWith(ResourceExhausted("QUEUE_FULL", "too many requests wait; try again"));
+      call->FinishWith(QueueFull());
     } else if (admission == WorkerPool::Admission::kClosed) {
       call->FinishWith(Status(StatusCode::kUnavailable, "SHUTTING_DOWN", "the server is stopping"));
     }
@@ -55,6 +61,10 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
                                 : kMaxCallTime);
   }
 
+  static Status QueueFull() {
+    return ResourceExhausted("QUEUE_FULL", "too many requests wait; try again");
+  }
+
   void Run() { FinishWith(Handle()); }
 
   Status Handle() {
@@ -70,9 +80,13 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
   Status Answer() {
     Request request;
     grpc::ByteBuffer bytes(*request_);  // shares them; parsing empties it
-    if (!grpc::SerializationTraits<Request>::Deserialize(&bytes, &request).ok()) {
+    const bool parsed = grpc::SerializationTraits<Request>::Deserialize(&bytes, &request).ok();
+    // gRPC does not look at it again; while the call runs it would double the largest messages.
+    const_cast<grpc::ByteBuffer*>(request_)->Clear();
+    if (!parsed) {
       return NotParsed(Request::descriptor()->full_name());
     }
+    const WaitLimit limit(deadline_ - kAnswerTime, &cancelled_);
     Response response;
     MAPLOC_RETURN_IF_ERROR(handler_(services_, {deadline_, &cancelled_}, request, &response));
     bool owned = false;

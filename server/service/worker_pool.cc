@@ -1,13 +1,15 @@
 #include "server/service/worker_pool.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "server/sessions/caught.h"
 
 namespace maploc {
 
-WorkerPool::WorkerPool(int threads, int max_waiting)
-    : max_jobs_(static_cast<std::size_t>(threads) + static_cast<std::size_t>(max_waiting)) {
+WorkerPool::WorkerPool(int threads, int max_waiting, std::size_t max_waiting_bytes)
+    : max_jobs_(static_cast<std::size_t>(threads) + static_cast<std::size_t>(max_waiting)),
+      max_waiting_bytes_(max_waiting_bytes) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Run(); });
 }
 
@@ -21,15 +23,66 @@ WorkerPool::~WorkerPool() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-WorkerPool::Admission WorkerPool::Submit(std::function<void()> job) {
+WorkerPool::Admission WorkerPool::Submit(const std::string& peer, Job job) {
+  std::vector<Job> dropped;
+  bool fits = false;
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return Admission::kClosed;
-    if (jobs_.size() + running_ >= max_jobs_) return Admission::kFull;
-    jobs_.push_back(std::move(job));
+    fits = MakeRoom(peer, job.bytes, &dropped);
+    if (fits) {
+      ++waiting_jobs_;
+      waiting_bytes_ += job.bytes;
+      std::deque<Job>& own = waiting_[peer];
+      if (own.empty()) turns_.push_back(peer);
+      own.push_back(std::move(job));
+    }
   }
-  work_.notify_one();
-  return Admission::kAccepted;
+  if (fits) work_.notify_one();
+  for (const Job& other : dropped) other.dropped();
+  return fits ? Admission::kAccepted : Admission::kFull;
+}
+
+bool WorkerPool::Fits(std::size_t bytes) const {
+  return waiting_jobs_ + running_ < max_jobs_ && waiting_bytes_ + bytes <= max_waiting_bytes_;
+}
+
+bool WorkerPool::MakeRoom(const std::string& peer, std::size_t bytes, std::vector<Job>* dropped) {
+  const auto own = waiting_.find(peer);
+  const std::size_t mine = own == waiting_.end() ? 0 : own->second.size();
+  while (!Fits(bytes)) {
+    const auto most = std::ranges::max_element(
+        waiting_, {}, [](const auto& entry) { return entry.second.size(); });
+    if (most == waiting_.end() || most->second.size() <= mine + 1) return false;
+    dropped->push_back(TakeNewest(most->first));
+  }
+  return true;
+}
+
+WorkerPool::Job WorkerPool::TakeNewest(const std::string& peer) {
+  // It has another one, so its turn stays.
+  std::deque<Job>& jobs = waiting_.at(peer);
+  Job job = std::move(jobs.back());
+  jobs.pop_back();
+  --waiting_jobs_;
+  waiting_bytes_ -= job.bytes;
+  return job;
+}
+
+WorkerPool::Job WorkerPool::TakeNext() {
+  const std::string peer = std::move(turns_.front());
+  turns_.pop_front();
+  const auto own = waiting_.find(peer);
+  Job job = std::move(own->second.front());
+  own->second.pop_front();
+  if (own->second.empty()) {
+    waiting_.erase(own);
+  } else {
+    turns_.push_back(peer);
+  }
+  --waiting_jobs_;
+  waiting_bytes_ -= job.bytes;
+  return job;
 }
 
 void WorkerPool::Close() {
@@ -39,22 +92,21 @@ void WorkerPool::Close() {
 
 bool WorkerPool::WaitUntilIdle(Deadline deadline) {
   std::unique_lock lock(mutex_);
-  return idle_.wait_until(lock, deadline, [this] { return jobs_.empty() && running_ == 0; });
+  return idle_.wait_until(lock, deadline, [this] { return waiting_jobs_ == 0 && running_ == 0; });
 }
 
 void WorkerPool::Run() {
   std::unique_lock lock(mutex_);
   while (true) {
-    work_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
-    if (jobs_.empty()) return;
-    const std::function<void()> job = std::move(jobs_.front());
-    jobs_.pop_front();
+    work_.wait(lock, [this] { return stopping_ || waiting_jobs_ > 0; });
+    if (waiting_jobs_ == 0) return;
+    const Job job = TakeNext();
     ++running_;
     lock.unlock();
-    static_cast<void>(Caught([&] { return job(), Status::Ok(); }));
+    static_cast<void>(Caught([&] { return job.run(), Status::Ok(); }));
     lock.lock();
     --running_;
-    if (jobs_.empty() && running_ == 0) idle_.notify_all();
+    if (waiting_jobs_ == 0 && running_ == 0) idle_.notify_all();
   }
 }
 

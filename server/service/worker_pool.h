@@ -1,11 +1,16 @@
 // A fixed number of threads behind a bounded queue: what does not fit is refused at once, so that a
-// flood costs a refusal and not memory. Thread-safe.
+// flood costs a refusal and not memory. Those who send jobs (peers) share it fairly: the threads
+// take one of each in turn, and in a full queue the newest of whoever has the most makes room for
+// one who has fewer. Thread-safe.
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
 #include <deque>
 #include <functional>
+#include <map>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -17,28 +22,43 @@ class WorkerPool {
  public:
   enum class Admission { kAccepted, kFull, kClosed };
 
-  // REQUIRES: threads >= 1, max_waiting >= 0. `max_waiting` jobs may wait beside those that run.
-  WorkerPool(int threads, int max_waiting);
+  // REQUIRES: threads >= 1, max_waiting >= 0. `max_waiting` jobs may wait beside those that run,
+  // and hold `max_waiting_bytes` together.
+  WorkerPool(int threads, int max_waiting, std::size_t max_waiting_bytes);
   // Finishes every job that was accepted.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  // What a job throws is dropped: jobs answer for themselves.
-  Admission Submit(std::function<void()> job);
+  struct Job {
+    std::size_t bytes = 0;          // that it holds while it waits
+    std::function<void()> run;      // what it throws is dropped: jobs answer for themselves
+    std::function<void()> dropped;  // in place of `run`, by the thread that submits another's job
+  };
+  // Where it is not accepted neither function is called.
+  Admission Submit(const std::string& peer, Job job);
   // From now on kClosed.
   void Close();
   // Waits until no job runs or waits; false when the deadline came first.
   bool WaitUntilIdle(Deadline deadline);
 
  private:
+  // REQUIRES of these: mutex_ is held.
+  bool Fits(std::size_t bytes) const;
+  bool MakeRoom(const std::string& peer, std::size_t bytes, std::vector<Job>* dropped);
+  Job TakeNewest(const std::string& peer);
+  Job TakeNext();
   void Run();
 
   std::mutex mutex_;
   std::condition_variable work_;
   std::condition_variable idle_;
-  std::deque<std::function<void()>> jobs_;  // waiting
-  const std::size_t max_jobs_;              // waiting and running
+  std::map<std::string, std::deque<Job>> waiting_;  // of peers that have any
+  std::deque<std::string> turns_;                   // these peers; the first is next
+  std::size_t waiting_jobs_ = 0;
+  std::size_t waiting_bytes_ = 0;
+  const std::size_t max_jobs_;  // waiting and running
+  const std::size_t max_waiting_bytes_;
   std::size_t running_ = 0;
   bool closed_ = false;
   bool stopping_ = false;

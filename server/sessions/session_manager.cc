@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "mapstore/base/wait_limit.h"
 #include "mapstore/store/validation.h"
 #include "server/sessions/open_session.h"
 #include "server/sessions/session_id.h"
@@ -126,14 +127,45 @@ Result<std::optional<Session>> SessionManager::FindRepeated(const NewSession& re
 
 Result<Session> SessionManager::Start(const NewSession& request) {
   MAPLOC_RETURN_IF_ERROR(CheckLabels(request.labels));
-  const std::lock_guard start_lock(start_mutex_);
+  const std::unique_lock start_lock(start_mutex_, WaitLimit::CurrentDeadline());
+  if (!start_lock) {
+    return Status(StatusCode::kUnavailable, "STORE_BUSY",
+                  "other sessions wait to be started; try again");
+  }
   ForgetOldRequests();
   MAPLOC_ASSIGN_OR_RETURN(std::optional<Session> repeated, FindRepeated(request));
   if (repeated) return *std::move(repeated);
-  if (open_sessions() >= options_.max_open_sessions) {
-    return ResourceExhausted("TOO_MANY_SESSIONS", "too many sessions are open; end some");
-  }
+  MAPLOC_RETURN_IF_ERROR(MakeRoom(request.robot));
   return StartNew(request);
+}
+
+Status SessionManager::MakeRoom(const std::string& robot) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto own = std::ranges::count_if(
+        open_, [&robot](const auto& entry) { return entry.second->session.robot == robot; });
+    if (static_cast<std::size_t>(own) >= options_.max_open_sessions_of_robot) {
+      return ResourceExhausted(
+          "TOO_MANY_SESSIONS",
+          "robot '" + robot + "' has " + std::to_string(own) + " open sessions; end some");
+    }
+  }
+  if (open_sessions() < options_.max_open_sessions) return Status::Ok();
+  if (const std::shared_ptr<Open> unused = ClaimUnused()) {
+    return Finish(unused, SessionEnd::kIdle).status();
+  }
+  return ResourceExhausted("TOO_MANY_SESSIONS", "too many sessions are open; end some");
+}
+
+std::shared_ptr<SessionManager::Open> SessionManager::ClaimUnused() {
+  const std::lock_guard lock(mutex_);
+  std::shared_ptr<Open> oldest;
+  for (const auto& [id, open] : open_) {
+    if (open->next_sequence > 1 || open->running > 0 || open->ending) continue;
+    if (oldest == nullptr || open->last_activity < oldest->last_activity) oldest = open;
+  }
+  if (oldest != nullptr) oldest->ending = true;
+  return oldest;
 }
 
 Result<Session> SessionManager::StartNew(const NewSession& request) {

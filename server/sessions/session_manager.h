@@ -35,7 +35,9 @@ struct SessionManagerOptions {
   std::chrono::milliseconds flush_interval{100};
   // A session without queries for this long is ended as kIdle; zero: never.
   std::chrono::milliseconds idle_timeout{std::chrono::minutes(30)};
+  // When as many are open, the oldest one without a query ends for a new one.
   std::size_t max_open_sessions = 10000;
+  std::size_t max_open_sessions_of_robot = 100;  // one works in one; the rest are forgotten ones
   // Queries are refused (UNAVAILABLE) while this many observations wait for a store that fails.
   std::size_t max_unsaved_observations = 100000;
   Health* health = nullptr;  // outlives the manager; null: nobody asks, failures are logged alone
@@ -91,7 +93,8 @@ class SessionManager {
 
   // Repeated with the same robot and request_id within a day it gives the same session. Errors:
   // FAILED_PRECONDITION (REQUEST_ID_REUSED) for another map's name or when that session has ended;
-  // INVALID_ARGUMENT (RESERVED_LABEL); RESOURCE_EXHAUSTED (TOO_MANY_SESSIONS); the store's.
+  // INVALID_ARGUMENT (RESERVED_LABEL); RESOURCE_EXHAUSTED (TOO_MANY_SESSIONS); the store's, also
+  // STORE_BUSY where other starts last longer than the thread's WaitLimit.
   Result<Session> Start(const NewSession& request);
 
   // Lets a query in. Errors: NOT_FOUND (SESSION_NOT_FOUND); FAILED_PRECONDITION (SESSION_CLOSED);
@@ -133,6 +136,9 @@ class SessionManager {
   void Remember(const Session& session);
   void ForgetOldRequests();
   Result<std::optional<Session>> FindRepeated(const NewSession& request) const;
+  Status MakeRoom(const std::string& robot);
+  // The one that has waited longest for its first query; null: each had one.
+  std::shared_ptr<Open> ClaimUnused();
   Result<Session> StartNew(const NewSession& request);
   Status ClosedOrUnknown(const SessionId& id) const;
   bool Wait(std::unique_lock<std::mutex>& lock, Deadline deadline,
@@ -160,7 +166,7 @@ class SessionManager {
   const Clock& clock_;
   Health own_health_;
 
-  std::mutex start_mutex_;  // one start at a time, so that a repeated one finds the first
+  std::timed_mutex start_mutex_;  // one start at a time, so that a repeated one finds the first
   std::map<RequestKey, Remembered> remembered_;  // guarded by start_mutex_
   std::mutex flush_mutex_;                       // one flush at a time
   std::atomic<bool> refused_ = false;  // a start or an end, by a store that may refuse all
@@ -168,8 +174,8 @@ class SessionManager {
   mutable std::mutex mutex_;  // guards all below; never held over a call of the store
   std::condition_variable changed_;
   std::map<SessionId, std::shared_ptr<Open>> open_;
-  std::size_t unsaved_ = 0;  // observations in all sessions
-  bool stopping_ = false;
+  std::size_t unsaved_ = 0;             // observations in all sessions
+  std::atomic<bool> stopping_ = false;  // changed under mutex_; the thread's waits look at it, too
   std::once_flag joined_;
   std::thread thread_;
 };

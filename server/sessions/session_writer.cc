@@ -3,6 +3,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "mapstore/base/wait_limit.h"
 #include "server/sessions/caught.h"
 #include "server/sessions/open_session.h"
 #include "server/sessions/session_manager.h"
@@ -24,9 +25,10 @@ bool IsOfTheStore(const Status& status) {
 
 void SessionManager::Run() {
   Health& health = options_.health != nullptr ? *options_.health : own_health_;
+  const WaitLimit until_stop(kNoDeadline, &stopping_);
   std::unique_lock lock(mutex_);
   while (!stopping_) {
-    changed_.wait_for(lock, options_.flush_interval, [this] { return stopping_; });
+    changed_.wait_for(lock, options_.flush_interval, [this] { return stopping_.load(); });
     lock.unlock();
     health.Run("statistics, which stay in memory until they can be written",
                [this] { return WriteRound(); });

@@ -190,11 +190,35 @@ TEST_F(SessionManagerTest, TooManyOpenSessionsAreRefused) {
   options_.max_open_sessions = 2;
   Restart();
   const SessionId id = StartSession();
-  StartSession();
+  Query(id, 0);
+  Query(StartSession(), 0);
   EXPECT_EQ(manager_->Start({map_, "rover", {}, ""}).status().code(),
             StatusCode::kResourceExhausted);
   ASSERT_TRUE(manager_->End(id).ok());
   EXPECT_TRUE(manager_->Start({map_, "rover", {}, ""}).ok());
+}
+
+TEST_F(SessionManagerTest, InAFullServerTheOldestUnusedSessionMakesRoom) {
+  options_.max_open_sessions = 3;
+  Restart();
+  const SessionId used = StartSession();
+  Query(used, 0);
+  const SessionId oldest = StartSession();
+  clock_.Advance(std::chrono::seconds(1));
+  const SessionId newer = StartSession();
+  StartSession();
+  EXPECT_TRUE(manager_->Enter(used).ok());
+  EXPECT_TRUE(manager_->Enter(newer).ok());
+  EXPECT_EQ(manager_->Enter(oldest).status().reason(), "SESSION_CLOSED");
+}
+
+TEST_F(SessionManagerTest, ARobotWithTooManySessionsIsRefusedAndAnotherIsNot) {
+  options_.max_open_sessions_of_robot = 2;
+  Restart();
+  StartSession();
+  StartSession();
+  EXPECT_EQ(manager_->Start({map_, "rover", {}, ""}).status().reason(), "TOO_MANY_SESSIONS");
+  EXPECT_TRUE(manager_->Start({map_, "another", {}, ""}).ok());
 }
 
 TEST_F(SessionManagerTest, OpenSessionsGoOnAfterARestart) {

@@ -1,0 +1,24 @@
+// The sockets on which a server listens. They are the server's own and not gRPC's, because gRPC
+// 1.51 gives its own up for good when the process is out of descriptors once.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mapstore/base/status.h"
+#include "server/app/owned_fd.h"
+
+namespace maploc {
+
+struct ListeningSockets {
+  std::vector<OwnedFd> sockets;  // non-blocking; at least one
+  int port = 0;                  // of all of them
+};
+
+// Listens on every address of HOST:PORT that this machine has; port 0 lets the system choose one
+// for all. The host is a name, an IPv4 address, or an IPv6 address with or without brackets;
+// 0.0.0.0 and :: both take IPv4 and IPv6. UNAVAILABLE (CANNOT_LISTEN) where a port is in use, also
+// by a server that would share it, or where no address is this machine's. Thread-safe.
+Result<ListeningSockets> ListenOn(const std::string& address);
+
+}  // namespace maploc
