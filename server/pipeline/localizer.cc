@@ -16,15 +16,20 @@
 #include "server/pipeline/query_check.h"
 #include "server/pipeline/stopwatch.h"
 #include "server/retrieval/ranking.h"
+#include "server/trust/rival.h"
 
 namespace maploc {
 namespace {
 
+// Two answers are one pose if they differ by less.
+constexpr double kSameRotationRad = 0.09;  // five degrees
+constexpr double kSameSigmas = 10.0;
+
 // When a segment's matches are tried once more as if gravity had not been measured.
 enum class AgainstGravity { kNever, kIfInconsistent, kIfNotLocalized };
 
-std::vector<int> Rank(const QueryContext& context, const std::optional<PosePrior>& prior,
-                      StageTimes& times) {
+Ranking Rank(const QueryContext& context, const std::optional<PosePrior>& prior,
+             StageTimes& times) {
   const Stopwatch watch(times.retrieval_ms);
   const RetrievalOptions options{
       .max_segments = context.options.max_segments_tried,
@@ -186,30 +191,68 @@ Localization OutOfMap(const QueryContext& context) {
   return answer;
 }
 
+// Whether two answers are one pose: landmarks that were mapped twice give the same pose twice,
+// equal rooms do not.
+bool AreSamePose(const Localization& a, const Localization& b) {
+  const double variance =
+      a.covariance.diagonal().head<3>().sum() + b.covariance.diagonal().head<3>().sum();
+  return RotationAngleBetween(a.map_from_body->rotation, b.map_from_body->rotation) <
+             kSameRotationRad &&
+         (a.map_from_body->translation - b.map_from_body->translation).squaredNorm() <
+             kSameSigmas * kSameSigmas * variance;
+}
+
+// Whoever stands in one of two equal rooms must not be told the other: where a segment looks the
+// same as the answer's, it is tried too. The one with clearly more inliers is right; else nobody
+// can tell.
+Result<Localization> UnlessTwin(const QueryContext& context, const Ranking& ranking,
+                                Localization answer, Progress& progress, StageTimes& times) {
+  if (answer.outcome != Outcome::kLocalized) return answer;
+  for (const int twin : ranking.TwinsOf(answer.segment, *context.map.places)) {
+    MAPLOC_ASSIGN_OR_RETURN(Localization other,
+                            TrySegment(context, context.map.segments[twin],
+                                       AgainstGravity::kIfInconsistent, progress, times));
+    if (other.outcome != Outcome::kLocalized || AreSamePose(answer, other)) continue;
+    const auto more = static_cast<std::size_t>(InlierCount(other.evidence));
+    const auto inliers = static_cast<std::size_t>(InlierCount(answer.evidence));
+    if (inliers < InliersOfCloseRival(more)) {
+      answer = std::move(other);
+    } else if (more >= InliersOfCloseRival(inliers)) {
+      return Withheld(std::move(answer), Outcome::kLowConfidence);
+    }
+  }
+  return answer;
+}
+
+// The segments of a ranking, best first; OUT_OF_MAP where there are none.
+Result<Localization> TryRanked(const QueryContext& context, const Ranking& ranking,
+                               Progress& progress, StageTimes& times) {
+  if (ranking.segments.empty()) return OutOfMap(context);
+  MAPLOC_ASSIGN_OR_RETURN(Localization answer,
+                          TrySegments(context, ranking.segments, progress, times));
+  return UnlessTwin(context, ranking, std::move(answer), progress, times);
+}
+
 // As if there were no prior, in the segments that it kept out. A prior is a hint: a robot that was
 // carried, or whose odometry slipped, is where its picture says.
 Result<Localization> TryBeyondPrior(const QueryContext& context, const std::vector<int>& tried,
                                     Progress& progress, StageTimes& times) {
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
-  std::vector<int> ranked = Rank(context, std::nullopt, times);
-  std::erase_if(ranked, [&](int segment) {
+  Ranking ranking = Rank(context, std::nullopt, times);
+  std::erase_if(ranking.segments, [&](int segment) {
     return std::find(tried.begin(), tried.end(), segment) != tried.end();
   });
-  if (ranked.empty()) return OutOfMap(context);
-  return TrySegments(context, ranked, progress, times);
+  return TryRanked(context, ranking, progress, times);
 }
 
 // Where the prior says, then elsewhere. Where neither answers, what was found near the prior is
 // told.
 Result<Localization> Search(const QueryContext& context, StageTimes& times) {
   Progress progress;
-  const std::vector<int> ranked = Rank(context, context.query.prior, times);
-  Localization answer = OutOfMap(context);
-  if (!ranked.empty()) {
-    MAPLOC_ASSIGN_OR_RETURN(answer, TrySegments(context, ranked, progress, times));
-  }
+  const Ranking ranking = Rank(context, context.query.prior, times);
+  MAPLOC_ASSIGN_OR_RETURN(Localization answer, TryRanked(context, ranking, progress, times));
   if (!context.query.prior || answer.outcome == Outcome::kLocalized) return answer;
-  Result<Localization> elsewhere = TryBeyondPrior(context, ranked, progress, times);
+  Result<Localization> elsewhere = TryBeyondPrior(context, ranking.segments, progress, times);
   if (!elsewhere.ok() && !IsOutOfTime(elsewhere.status())) return elsewhere.status();
   return elsewhere.ok() && elsewhere->outcome == Outcome::kLocalized ? elsewhere : answer;
 }

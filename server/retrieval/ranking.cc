@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <numeric>
+#include <ranges>
+#include <utility>
 
 #include "mapstore/base/even_sample.h"
 #include "mapstore/descriptors/knn.h"
@@ -16,6 +18,10 @@ namespace {
 constexpr std::int64_t kMaxFeatures = 500;
 constexpr int kMinFeatures = 100;
 constexpr std::int64_t kMaxPairs = 2'000'000;
+// A twin of a segment has so many of its clear matches.
+constexpr double kTwinShare = 0.4;
+constexpr float kClearRatio = 0.75f;
+constexpr int kMostTwins = 2;
 // A segment farther from the prior (plus the segment's reach) is left out.
 constexpr double kMaxSigmas = 4.0;
 
@@ -69,9 +75,9 @@ std::vector<int> BestByDistance(std::vector<Candidate> near) {
 
 // Matching one by one costs the segments' overlap more than one search over the map, but its
 // ranking is better: landmarks that were mapped twice do not fail each other's ratio test.
-std::vector<int> RankByFeatures(const Descriptors& all_features, std::vector<int> candidates,
-                                int segment_count, const PlaceIndex& places,
-                                const RetrievalOptions& options) {
+Ranking RankByFeatures(const Descriptors& all_features, std::vector<int> candidates,
+                       int segment_count, const PlaceIndex& places,
+                       const RetrievalOptions& options) {
   if (static_cast<int>(candidates.size()) > options.max_shortlist) {
     const std::vector<int> votes =
         CountVotes(EvenRows(all_features, kMinFeatures), places, segment_count, options.max_ratio);
@@ -80,10 +86,24 @@ std::vector<int> RankByFeatures(const Descriptors& all_features, std::vector<int
   }
   const Descriptors features = EvenRows(all_features, FeatureBudget(CountRows(candidates, places)));
   std::vector<double> scores(segment_count, 0.0);
+  Ranking ranking;
   for (const int s : candidates) {
-    scores[s] = SegmentScore(features, places, s, options.max_ratio);
+    ranking.matches[s] = MatchPlace(features, places, s, options.max_ratio);
+    scores[s] = SegmentScore(ranking.matches[s]);
   }
-  return Best(std::move(candidates), options.max_segments, scores);
+  ranking.segments = Best(std::move(candidates), options.max_segments, scores);
+  return ranking;
+}
+
+bool IsClear(const FeatureMatch& match) { return match.ratio < kClearRatio; }
+
+// Clear matches with landmarks that `segment` does not hold.
+std::ptrdiff_t CountForeign(int segment, const std::vector<FeatureMatch>& matches,
+                            const PlaceIndex& places) {
+  return std::ranges::count_if(matches, [&](const FeatureMatch& match) {
+    return IsClear(match) &&
+           !std::ranges::binary_search(places.SegmentsOf(match.landmark), segment);
+  });
 }
 
 }  // namespace
@@ -99,32 +119,50 @@ std::vector<int> CountVotes(const Descriptors& features, const PlaceIndex& place
   return votes;
 }
 
-double SegmentScore(const Descriptors& features, const PlaceIndex& places, int segment,
-                    float max_ratio) {
+std::vector<FeatureMatch> MatchPlace(const Descriptors& features, const PlaceIndex& places,
+                                     int segment, float max_ratio) {
   const Descriptors rows = GatherRows(places.descriptors(), places.RowsOf(segment));
   std::vector<std::int32_t> owners;
   for (const std::int32_t row : places.RowsOf(segment)) {
     owners.push_back(places.row_landmark()[row]);
   }
+  return MatchDescriptors(features, rows, owners, {.max_ratio = max_ratio});
+}
+
+double SegmentScore(std::span<const FeatureMatch> matches) {
   double score = 0.0;
-  for (const FeatureMatch& match :
-       MatchDescriptors(features, rows, owners, {.max_ratio = max_ratio})) {
-    score += 1.0 - static_cast<double>(match.ratio);
-  }
+  for (const FeatureMatch& match : matches) score += 1.0 - static_cast<double>(match.ratio);
   return score;
 }
 
-std::vector<int> RankSegments(const PointFeatures& features, const std::optional<PosePrior>& prior,
-                              const PlaceIndex& places, const RetrievalOptions& options) {
+std::vector<int> Ranking::TwinsOf(int segment, const PlaceIndex& places) const {
+  const auto own = matches.find(segment);
+  if (own == matches.end()) return {};
+  const double needed =
+      kTwinShare * static_cast<double>(std::ranges::count_if(own->second, IsClear));
+  std::vector<std::pair<std::ptrdiff_t, int>> twins;  // matches, negative, and segment
+  for (const auto& [other, found] : matches) {
+    if (other == segment) continue;
+    const std::ptrdiff_t clear = CountForeign(segment, found, places);
+    if (clear > 0 && static_cast<double>(clear) >= needed) twins.emplace_back(-clear, other);
+  }
+  std::sort(twins.begin(), twins.end());
+  std::vector<int> best;
+  for (const auto& twin : twins | std::views::take(kMostTwins)) best.push_back(twin.second);
+  return best;
+}
+
+Ranking RankSegments(const PointFeatures& features, const std::optional<PosePrior>& prior,
+                     const PlaceIndex& places, const RetrievalOptions& options) {
   std::vector<int> candidates(places.segment_count());
   std::iota(candidates.begin(), candidates.end(), 0);
   if (prior) {
     const std::vector<Candidate> near = NearPrior(*prior, places);
-    if (static_cast<int>(near.size()) <= options.max_segments) return BestByDistance(near);
+    if (static_cast<int>(near.size()) <= options.max_segments) return {BestByDistance(near), {}};
     candidates.clear();
     for (const Candidate& candidate : near) candidates.push_back(candidate.segment);
   }
-  if (candidates.size() <= 1) return candidates;
+  if (candidates.size() <= 1) return {std::move(candidates), {}};
   return RankByFeatures(features.descriptors, std::move(candidates), places.segment_count(), places,
                         options);
 }

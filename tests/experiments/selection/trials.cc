@@ -17,7 +17,7 @@ std::optional<int> BestSegment(const Query& query, const MapSnapshot& map) {
       .max_ratio = MaxRatio(map.info.point_descriptor),
   };
   const std::vector<int> ranked =
-      RankSegments(query.views.front().points, query.prior, *map.places, options);
+      RankSegments(query.views.front().points, query.prior, *map.places, options).segments;
   return ranked.empty() ? std::nullopt : std::optional<int>(ranked.front());
 }
 

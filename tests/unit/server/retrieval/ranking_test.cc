@@ -81,8 +81,8 @@ class Corridor {
 class RankingTest : public ::testing::Test {
  protected:
   std::vector<int> Rank(int seen_from, const std::optional<PosePrior>& prior) {
-    return RankSegments(corridor_.SeenFrom(seen_from, random_), prior, corridor_.places(),
-                        options_);
+    return RankSegments(corridor_.SeenFrom(seen_from, random_), prior, corridor_.places(), options_)
+        .segments;
   }
 
   Random random_ = testing::TestRandom();
@@ -129,7 +129,7 @@ TEST(SegmentScoreTest, TwinsInAnotherSegmentDoNotHideAPlace) {
   for (std::uint8_t& byte : seen.bytes) byte ^= random.Below(4) == 0 ? 1 << random.Below(8) : 0;
   const PlaceIndex places = PlaceIndex::Build(segments);
   EXPECT_EQ(CountVotes(seen, places, 2, 0.8f)[0], 0);
-  EXPECT_GT(SegmentScore(seen, places, 0, 0.8f), 20.0);
+  EXPECT_GT(SegmentScore(MatchPlace(seen, places, 0, 0.8f)), 20.0);
 }
 
 TEST_F(RankingTest, AtABorderBothNeighboursAreCandidates) {
@@ -137,7 +137,8 @@ TEST_F(RankingTest, AtABorderBothNeighboursAreCandidates) {
 }
 
 TEST_F(RankingTest, WithoutFeaturesTheOrderIsById) {
-  EXPECT_THAT(RankSegments({}, std::nullopt, corridor_.places(), options_), ElementsAre(0, 1));
+  EXPECT_THAT(RankSegments({}, std::nullopt, corridor_.places(), options_).segments,
+              ElementsAre(0, 1));
 }
 
 TEST_F(RankingTest, APriorNearOneSegmentLeavesTheOthersOut) {
@@ -160,7 +161,8 @@ TEST_F(RankingTest, ThePriorsGateIsFourSigmasAndTheReach) {
 
 TEST_F(RankingTest, AMapWithoutSegmentsHasNoCandidates) {
   const PlaceIndex places = PlaceIndex::Build({});
-  EXPECT_THAT(RankSegments(corridor_.SeenFrom(5, random_), std::nullopt, places), IsEmpty());
+  EXPECT_THAT(RankSegments(corridor_.SeenFrom(5, random_), std::nullopt, places).segments,
+              IsEmpty());
 }
 
 TEST(PlaceIndexTest, SharedLandmarksStandOnceAndNameAllTheirSegments) {
