@@ -65,21 +65,34 @@ Connections::Accepted Connections::Accept(int socket, OwnedFd* fd) {
   struct stat status {};
   fstat(fd->get(), &status);
   const std::string name = PeerName(peer);
+  ForgetPeerOf(fd->get());
   open_[fd->get()] = {status.st_dev, status.st_ino, name, 0, std::chrono::steady_clock::now()};
   fd_of_peer_[name] = fd->get();
   return Accepted::kYes;
+}
+
+void Connections::ForgetPeerOf(int fd) {
+  const auto connection = open_.find(fd);
+  if (connection == open_.end()) return;
+  const auto known = fd_of_peer_.find(connection->second.peer);
+  if (known != fd_of_peer_.end() && known->second == fd) fd_of_peer_.erase(known);
 }
 
 void Connections::ForgetClosed() {
   std::erase_if(open_, [this](const auto& entry) {
     const auto& [fd, connection] = entry;
     if (IsOpen(fd, connection)) return false;
-    if (const auto known = fd_of_peer_.find(connection.peer);
-        known != fd_of_peer_.end() && known->second == fd) {
-      fd_of_peer_.erase(known);
-    }
+    ForgetPeerOf(fd);
     return true;
   });
+}
+
+// Null: there is none.
+Connections::Connection* Connections::Find(const std::string& peer) {
+  const auto known = fd_of_peer_.find(peer);
+  if (known == fd_of_peer_.end()) return nullptr;
+  const auto connection = open_.find(known->second);
+  return connection == open_.end() ? nullptr : &connection->second;
 }
 
 // Looks at all of them only where they may be too many.
@@ -91,21 +104,18 @@ bool Connections::AreTooMany() {
 
 void Connections::Abort(const std::string& peer) {
   const std::lock_guard lock(mutex_);
-  const auto known = fd_of_peer_.find(peer);
-  if (known == fd_of_peer_.end()) return;
-  const auto connection = open_.find(known->second);
-  if (connection->second.peer == peer && IsOpen(known->second, connection->second)) {
-    Disconnect(known->second);
-  }
+  const Connection* const connection = Find(peer);
+  if (connection == nullptr) return;
+  const int fd = fd_of_peer_.at(peer);
+  if (IsOpen(fd, *connection)) Disconnect(fd);
 }
 
 void Connections::NoteCall(const std::string& peer) {
   const std::lock_guard lock(mutex_);
-  const auto known = fd_of_peer_.find(peer);
-  if (known == fd_of_peer_.end()) return;
-  Connection& connection = open_.at(known->second);
-  connection.finished_bytes = ReceivedBytes(known->second);
-  connection.upload_began = std::chrono::steady_clock::now();
+  Connection* const connection = Find(peer);
+  if (connection == nullptr) return;
+  connection->finished_bytes = ReceivedBytes(fd_of_peer_.at(peer));
+  connection->upload_began = std::chrono::steady_clock::now();
 }
 
 // Notes where an upload begins: a few bytes are pings, settings and headers.

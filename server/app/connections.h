@@ -51,6 +51,9 @@ class Connections {
   };
   static bool IsOpen(int fd, const Connection& connection);
   // REQUIRES of these: mutex_ is held.
+  Connection* Find(const std::string& peer);
+  // Before the number stands for another one: else the names of closed ones stay for ever.
+  void ForgetPeerOf(int fd);
   void ForgetClosed();
   bool AreTooMany();
   std::vector<Upload> Uploads();
@@ -58,7 +61,7 @@ class Connections {
   const std::size_t max_open_;
   // Held while one is accepted, too: no number comes again while it is looked at.
   std::mutex mutex_;
-  std::unordered_map<int, Connection> open_;  // a number that came again replaced the one before
+  std::unordered_map<int, Connection> open_;
   std::unordered_map<std::string, int> fd_of_peer_;
 };
 

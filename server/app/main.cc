@@ -61,8 +61,7 @@ int main(int argc, char** argv) {
   // Nor a limit on the size of files: the write fails, and whoever waits for it is told.
   std::signal(SIGXFSZ, SIG_IGN);
   maploc::RaiseDescriptorLimit();
-  // Debian builds Abseil so that each of gRPC's locks looks for deadlocks, in a graph of all locks:
-  // a third of the time of a short call.
+  // Debian builds Abseil so that each of gRPC's locks looks for deadlocks in a graph of all locks.
   absl::SetMutexDeadlockDetectionMode(absl::OnDeadlockCycle::kIgnore);
   const sigset_t signals = BlockStopSignals();
   auto server =
