@@ -45,7 +45,7 @@ TEST_F(MaplocTest, AWrongWordIsNamed) {
            {"maploc localize --sever x", "maploc localize: unknown --sever; see"},
            {"maploc localise --server x", "maploc: unknown localise; see"},
            {"maploc-map import-colmap --stor s", "maploc-map import-colmap: unknown --stor; see"},
-           {"maploc-map delete", "maploc-map: unknown delete; see"},
+           {"maploc-map remove", "maploc-map: unknown remove; see"},
            {"maploc end-session --session x --server a:99999",
             "the port of 'a:99999' must be in [1"},
            {"maploc-map verify", "maploc-map verify: --store is required; see"},

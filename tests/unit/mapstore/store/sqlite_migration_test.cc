@@ -30,13 +30,15 @@ const std::string kStatesOfVersion6 =
     "weighted_queries, weighted_localized, independent_points, independent_usable_lines, "
     "independent_vertical_lines";
 
+const std::string kMapsOfVersion4 =
+    "id, name, version, state, metric, scale, rotation_x, rotation_y, rotation_z, rotation_w, "
+    "translation_x, translation_y, translation_z, point_kind, point_kind_bytes, "
+    "point_kind_metric, line_kind, line_kind_bytes, line_kind_metric, created_unix_ns, "
+    "segment_count, point_count, line_count, usable_line_count";
+
 const std::vector<Given> kOfVersion4 = {
     {"meta"},
-    {"map_versions",
-     "id, name, version, state, metric, scale, rotation_x, rotation_y, rotation_z, rotation_w, "
-     "translation_x, translation_y, translation_z, point_kind, point_kind_bytes, "
-     "point_kind_metric, line_kind, line_kind_bytes, line_kind_metric, created_unix_ns, "
-     "segment_count, point_count, line_count, usable_line_count"},
+    {"map_versions", kMapsOfVersion4},
     {"segments"},
     {"segment_features",
      "map, segment, type, landmark_count, descriptor_count, checksum, ids, geometry, owners, "
@@ -54,7 +56,7 @@ const std::vector<Given> kOfVersion4 = {
     {"inheritance"}};
 
 const std::vector<Given> kOfVersion5 = {{"meta"},
-                                        {"map_versions"},
+                                        {"map_versions", kMapsOfVersion4 + ", shared_error_rad"},
                                         {"segments"},
                                         {"segment_features", "*, x''"},
                                         {"sessions"},

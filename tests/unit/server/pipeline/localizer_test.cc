@@ -230,56 +230,6 @@ TEST_F(LocalizerTest, NothingButOutliersGivesNoPose) {
   EXPECT_LT(answer->evidence.confidence, options_.min_confidence);
 }
 
-// The world and, a hundred metres on, its equal: of each segment a copy with landmarks of its own.
-// `share` of the copies' points look like the originals'.
-std::shared_ptr<const MapSnapshot> SnapshotWithTwins(const DrawnWorld& world, double share,
-                                                     Random& random) {
-  std::vector<MapSnapshot::Entry> entries;
-  for (const auto& segment : world.segments()) entries.push_back({segment, {}});
-  for (const auto& original : world.segments()) {
-    auto twin = std::make_shared<Segment>(*original);
-    twin->id = static_cast<SegmentId>(entries.size());
-    PointLandmarks& points = twin->points;
-    for (auto& id : points.ids) id += 1'000'000;
-    for (auto& id : twin->lines.ids) id += 1'000'000;
-    for (auto& position : points.positions_in_map) position.x() += 100.0;
-    for (auto& line : twin->lines.segments_in_map) {
-      line.start.x() += 100.0;
-      line.end.x() += 100.0;
-    }
-    for (auto& position : twin->path_in_map) position.x() += 100.0;
-    const std::size_t width = static_cast<std::size_t>(points.descriptors.kind.bytes);
-    for (std::size_t i = 0; i < points.descriptors.bytes.size(); i += width) {
-      if (random.Uniform() < share) continue;
-      for (std::size_t b = i; b < i + width; ++b) {
-        points.descriptors.bytes[b] = static_cast<std::uint8_t>(random.Below(256));
-      }
-    }
-    entries.push_back({twin, {}});
-  }
-  return BuildMapSnapshot(world.info(), entries).value();
-}
-
-// Equal rooms of a hotel: whoever sees nothing else cannot be told which of them this is.
-TEST_F(LocalizerTest, OneOfTwoEqualRoomsIsNotGuessed) {
-  for (int i = 0; i < 10; ++i) {
-    snapshot_ = SnapshotWithTwins(world_, 1.0, random_);
-    const auto answer = Run(world_.See(camera_from_map_, {}, random_));
-    ASSERT_TRUE(answer.ok());
-    EXPECT_EQ(answer->outcome, Outcome::kLowConfidence);
-  }
-}
-
-TEST_F(LocalizerTest, ARoomThatDiffersInMostIsTold) {
-  for (int i = 0; i < 10; ++i) {
-    snapshot_ = SnapshotWithTwins(world_, 0.1, random_);
-    const auto answer = Run(world_.See(camera_from_map_, {}, random_));
-    ASSERT_TRUE(answer.ok());
-    ASSERT_EQ(answer->outcome, Outcome::kLocalized);
-    EXPECT_LT(PositionError(*answer, camera_from_map_), 0.05);
-  }
-}
-
 // A fault of the accelerometer: the matches are good enough to tell, and to answer without it. At
 // 20 degrees no sample of two entities finds the pose.
 TEST_F(LocalizerTest, AWrongGravityIsToldAndNotUsed) {
