@@ -209,14 +209,16 @@ Result<Localization> UnlessTwin(const QueryContext& context, const Ranking& rank
                                 Localization answer, Progress& progress, StageTimes& times) {
   if (answer.outcome != Outcome::kLocalized) return answer;
   for (const int twin : ranking.TwinsOf(answer.segment, *context.map.places)) {
-    MAPLOC_ASSIGN_OR_RETURN(Localization other,
-                            TrySegment(context, context.map.segments[twin],
-                                       AgainstGravity::kIfInconsistent, progress, times));
-    if (other.outcome != Outcome::kLocalized || AreSamePose(answer, other)) continue;
-    const auto more = static_cast<std::size_t>(InlierCount(other.evidence));
+    Result<Localization> other = TrySegment(context, context.map.segments[twin],
+                                            AgainstGravity::kIfInconsistent, progress, times);
+    if (!other.ok() && !IsOutOfTime(other.status())) return other.status();
+    // What could not be compared in time is not told.
+    if (!other.ok()) return Withheld(std::move(answer), Outcome::kLowConfidence);
+    if (other->outcome != Outcome::kLocalized || AreSamePose(answer, *other)) continue;
+    const auto more = static_cast<std::size_t>(InlierCount(other->evidence));
     const auto inliers = static_cast<std::size_t>(InlierCount(answer.evidence));
     if (inliers < InliersOfCloseRival(more)) {
-      answer = std::move(other);
+      answer = *std::move(other);
     } else if (more >= InliersOfCloseRival(inliers)) {
       return Withheld(std::move(answer), Outcome::kLowConfidence);
     }
