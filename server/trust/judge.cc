@@ -1,5 +1,6 @@
 #include "server/trust/judge.h"
 
+#include <algorithm>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -72,21 +73,25 @@ class Judge {
   }
 
   // A thing that was moved is compact, and what was not surrounds it: a rival with a small share of
-  // the inliers counts where it spreads over as much of the image.
+  // the inliers counts where it spreads over as much of the image. It does not where most of its
+  // inliers are the pose's too: then it is the same pose in a map that is bent.
   bool CastsDoubt(const RefinedPose& rival) const {
-    if (rival.InlierCount() >= InliersOfCloseRival(verdict_.pose.InlierCount())) return true;
-    return rival.InlierCount() >= InliersThatRival() &&
-           SpreadBesides(verdict_.pose, rival) > kAsWide * SpreadBesides(rival, verdict_.pose);
+    const std::size_t inliers = rival.InlierCount();
+    if (inliers >= InliersOfCloseRival(verdict_.pose.InlierCount())) return true;
+    const std::vector<Eigen::Vector2d> own = PointsBesides(verdict_.pose, rival);
+    return own.size() >= std::max(InliersThatRival(), inliers / 2) &&
+           SpreadArea(own) > kAsWide * SpreadArea(PointsBesides(rival, verdict_.pose));
   }
 
-  // Of the points that agree with `pose` and not with `other`.
-  double SpreadBesides(const RefinedPose& other, const RefinedPose& pose) const {
+  // Those that agree with `pose` and not with `other`.
+  std::vector<Eigen::Vector2d> PointsBesides(const RefinedPose& other,
+                                             const RefinedPose& pose) const {
     std::vector<Eigen::Vector2d> points;
     for (std::size_t i = 0; i < problem_.points.size(); ++i) {
       if (!IsInlier(pose.point_inliers, i) || IsInlier(other.point_inliers, i)) continue;
       points.push_back(problem_.points[i].normalized);
     }
-    return SpreadArea(points);
+    return points;
   }
 
   // True where a rival is left that is neither clearly better nor clearly worse.
