@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <ranges>
 #include <utility>
 
 #include "mapstore/base/even_sample.h"
@@ -21,7 +20,7 @@ constexpr std::int64_t kMaxPairs = 2'000'000;
 // A twin of a segment has so many of its clear matches.
 constexpr double kTwinShare = 0.4;
 constexpr float kClearRatio = 0.75f;
-constexpr int kMostTwins = 2;
+constexpr std::size_t kMostTwins = 2;
 // A segment farther from the prior (plus the segment's reach) is left out.
 constexpr double kMaxSigmas = 4.0;
 
@@ -148,7 +147,8 @@ std::vector<int> Ranking::TwinsOf(int segment, const PlaceIndex& places) const {
   }
   std::sort(twins.begin(), twins.end());
   std::vector<int> best;
-  for (const auto& twin : twins | std::views::take(kMostTwins)) best.push_back(twin.second);
+  for (const auto& twin : twins) best.push_back(twin.second);
+  if (best.size() > kMostTwins) best.resize(kMostTwins);
   return best;
 }
 
