@@ -42,6 +42,13 @@ void AddVersionOption(CLI::App& command, std::optional<std::int64_t>& version) {
       ->type_name("N");
 }
 
+void AddRequiredVersionOption(CLI::App& command, std::int64_t& version) {
+  command.add_option("--version", version, "The version, as `versions` lists them")
+      ->required()
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
+}
+
 void AddStageFlag(CLI::App& command, bool& stage) {
   command.add_flag("--stage", stage,
                    "Leave the new version DISABLED until `maploc-map enable`; robots keep theirs");

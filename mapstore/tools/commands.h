@@ -34,7 +34,8 @@ void AddMapOption(CLI::App& command, std::string& name);       // --map, require
 void AddSegmentOption(CLI::App& command, SegmentId& segment);  // --segment, required
 
 void AddVersionOption(CLI::App& command, std::optional<std::int64_t>& version);  // --version
-void AddStageFlag(CLI::App& command, bool& stage);                               // --stage
+void AddRequiredVersionOption(CLI::App& command, std::int64_t& version);  // the same, required
+void AddStageFlag(CLI::App& command, bool& stage);                        // --stage
 
 // One version of a map, the enabled one where none is given. INVALID_ARGUMENT: below 1.
 Result<MapSummary> FindMap(const MapStore& store, const std::string& name,

@@ -34,10 +34,7 @@ void AddDeleteCommand(CLI::App& app, CommandContext& context) {
       "session on it is open.",
       [&context, flags] { return Delete(context, *flags); });
   AddMapOption(*command, flags->map);
-  command->add_option("--version", flags->version, "The version, as `versions` lists them")
-      ->required()
-      ->check(CLI::PositiveNumber)
-      ->type_name("N");
+  AddRequiredVersionOption(*command, flags->version);
 }
 
 }  // namespace maploc

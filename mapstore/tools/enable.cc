@@ -83,10 +83,7 @@ void AddEnableCommand(CLI::App& app, CommandContext& context) {
       "stay on theirs.",
       [&context, flags] { return Enable(context, *flags); });
   AddMapOption(*command, flags->map);
-  command->add_option("--version", flags->version, "The version, as `versions` lists them")
-      ->required()
-      ->check(CLI::PositiveNumber)
-      ->type_name("N");
+  AddRequiredVersionOption(*command, flags->version);
 }
 
 void AddRollbackCommand(CLI::App& app, CommandContext& context) {

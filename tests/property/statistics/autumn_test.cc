@@ -106,7 +106,7 @@ TEST_P(Autumn, IsExplained) {
   ASSERT_FALSE(autumn.changes.empty());
   EXPECT_EQ(autumn.changes[0].kind, ChangeKind::kPoints);
   EXPECT_EQ(autumn.changes[0].since, "s1015");
-  EXPECT_NEAR(autumn.changes[0].before, 0.6, 0.08);  // five sigmas of fifteen sessions
+  EXPECT_NEAR(autumn.changes[0].before, 0.6, 0.06);
   EXPECT_LT(autumn.changes[0].after, 0.1);
 
   year.Run(kAutumn, kNoisySessions);
