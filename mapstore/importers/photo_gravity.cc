@@ -17,21 +17,23 @@ constexpr double kMaxDistance2 = 18.42;
 // An estimate that is vaguer says nothing about a direction from elsewhere.
 constexpr double kMaxWitnessInterval = 15 * kRadPerDeg;
 
-void AddLines(const GravityEvidence& evidence, const CameraLevels& levels, PhotoGravity& gravity) {
-  if (evidence.lines.empty()) return;
+// Combines the levels with the scene's vertical lines. Returns whether there are any.
+bool AddLines(const GravityEvidence& evidence, const CameraLevels& levels, PhotoGravity& gravity) {
+  if (evidence.lines.empty()) return false;
   const std::optional<VerticalLines> verticals =
       FindVerticalLines(evidence.camera_from_source, evidence.lines, levels);
-  if (!verticals) return;
+  if (!verticals) return false;
   if (Distance2(verticals->down_in_source, levels.down_in_source) > kMaxDistance2) {
     gravity.doubt = "the scene's nearly vertical lines lean by " +
                     Degrees(AngleBetween(verticals->down_in_source.direction,
                                          levels.down_in_source.direction)) +
                     " from what the photos' levels say";
-    return;
+    return true;
   }
   gravity.fit = Combine(verticals->down_in_source, levels.down_in_source);
   gravity.basis += " and " + std::to_string(verticals->segments) + " vertical edges in " +
                    std::to_string(verticals->photos) + " of them";
+  return true;
 }
 
 std::string DoubtTilt(const GravityEvidence& evidence, const CameraLevels& levels,
@@ -78,13 +80,16 @@ PhotoGravity EstimateFromPhotos(const GravityEvidence& evidence) {
     gravity.doubt = DescribeHolding(evidence.camera_from_source, levels);
     return gravity;
   }
-  AddLines(evidence, levels, gravity);
+  const bool has_lines = AddLines(evidence, levels, gravity);
   if (!gravity.doubt.empty()) return gravity;
   const UpEvidence up = WeighBrightening(evidence.brightening);
   const bool levels_suffice =
       levels.looks_around && Interval95Rad(levels.down_in_source) < kMaxWitnessInterval;
-  gravity.is_witness = up == UpEvidence::kUpright ? Interval95Rad(gravity.fit) < kMaxWitnessInterval
-                                                  : up == UpEvidence::kNone && levels_suffice;
+  // Photos in one direction scatter about as much by the hand as by where they look, so that the
+  // fit can take the one for the other, and be sure of a wrong tilt.
+  gravity.is_witness = up == UpEvidence::kUpright && has_lines
+                           ? Interval95Rad(gravity.fit) < kMaxWitnessInterval
+                           : up != UpEvidence::kNotUpright && levels_suffice;
   gravity.has_axis = Interval95Rad(gravity.fit) <= kMaxGravityIntervalRad;
   gravity.doubt = gravity.has_axis ? DoubtSign(up, !evidence.brightening.empty())
                                    : DoubtTilt(evidence, levels, gravity);
