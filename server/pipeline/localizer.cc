@@ -15,6 +15,7 @@
 #include "server/pipeline/joint_segment.h"
 #include "server/pipeline/query_check.h"
 #include "server/pipeline/stopwatch.h"
+#include "server/pipeline/twins.h"
 #include "server/retrieval/ranking.h"
 #include "server/trust/rival.h"
 
@@ -208,7 +209,7 @@ bool AreSamePose(const Localization& a, const Localization& b) {
 Result<Localization> UnlessTwin(const QueryContext& context, const Ranking& ranking,
                                 Localization answer, Progress& progress, StageTimes& times) {
   if (answer.outcome != Outcome::kLocalized) return answer;
-  for (const int twin : ranking.TwinsOf(answer.segment, *context.map.places)) {
+  for (const int twin : FindTwins(context, ranking, answer)) {
     Result<Localization> other = TrySegment(context, context.map.segments[twin],
                                             AgainstGravity::kIfInconsistent, progress, times);
     if (!other.ok() && !IsOutOfTime(other.status())) return other.status();

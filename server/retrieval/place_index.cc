@@ -70,6 +70,7 @@ PlaceIndex PlaceIndex::Build(std::span<const std::shared_ptr<const Segment>> seg
     const PointLandmarks* richest = nullptr;
     RowRange rows;
     const LandmarkId id = holdings[i].id;
+    index.ids_.push_back(id);
     for (; i < holdings.size() && holdings[i].id == id; ++i) {
       index.holders_.push_back(holdings[i].segment);
       const PointLandmarks& points = segments[holdings[i].segment]->points;

@@ -16,12 +16,14 @@ namespace maploc {
 class PlaceIndex {
  public:
   // Landmarks shared by segments are taken once, from the one with most descriptor rows for it,
-  // with their RepresentativeRows. Memory: these rows, 4 bytes a row, 4 bytes a landmark, and for
+  // with their RepresentativeRows. Memory: these rows, 4 bytes a row, 12 bytes a landmark, and for
   // each segment that holds it 4 bytes and 4 bytes a row. REQUIRES: no null, one descriptor kind.
   static PlaceIndex Build(std::span<const std::shared_ptr<const Segment>> segments);
 
   int segment_count() const { return static_cast<int>(reach_.size()); }
   int landmark_count() const { return static_cast<int>(segment_begin_.size()) - 1; }
+  // A landmark's id in the segments that hold it. `landmark` is one of this index, ascending by id.
+  LandmarkId IdOf(std::int32_t landmark) const { return ids_[landmark]; }
   const Descriptors& descriptors() const { return descriptors_; }
   // One a descriptor row, ascending: index of a landmark of this index, in [0, landmark_count()).
   std::span<const std::int32_t> row_landmark() const { return row_landmark_; }
@@ -41,6 +43,7 @@ class PlaceIndex {
 
   Descriptors descriptors_;
   std::vector<std::int32_t> row_landmark_;
+  std::vector<LandmarkId> ids_;
   std::vector<std::int32_t> segment_begin_ = {0};  // of each landmark in holders_, and the end
   std::vector<std::int32_t> holders_;
   std::vector<std::vector<std::int32_t>> segment_rows_;

@@ -17,10 +17,6 @@ namespace {
 constexpr std::int64_t kMaxFeatures = 500;
 constexpr int kMinFeatures = 100;
 constexpr std::int64_t kMaxPairs = 2'000'000;
-// A twin of a segment has so many of its clear matches.
-constexpr double kTwinShare = 0.4;
-constexpr float kClearRatio = 0.75f;
-constexpr std::size_t kMostTwins = 2;
 // A segment farther from the prior (plus the segment's reach) is left out.
 constexpr double kMaxSigmas = 4.0;
 
@@ -83,26 +79,19 @@ Ranking RankByFeatures(const Descriptors& all_features, std::vector<int> candida
     candidates = Best(std::move(candidates), options.max_shortlist, votes);
     std::sort(candidates.begin(), candidates.end());
   }
-  const Descriptors features = EvenRows(all_features, FeatureBudget(CountRows(candidates, places)));
+  const std::vector<int> sample =
+      EvenSample(all_features.size(), FeatureBudget(CountRows(candidates, places)));
+  const Descriptors features = GatherRows(all_features, sample);
   std::vector<double> scores(segment_count, 0.0);
   Ranking ranking;
   for (const int s : candidates) {
-    ranking.matches[s] = MatchPlace(features, places, s, options.max_ratio);
-    scores[s] = SegmentScore(ranking.matches[s]);
+    std::vector<FeatureMatch> matches = MatchPlace(features, places, s, options.max_ratio);
+    scores[s] = SegmentScore(matches);
+    for (FeatureMatch& match : matches) match.feature = sample[match.feature];
+    ranking.matches[s] = std::move(matches);
   }
   ranking.segments = Best(std::move(candidates), options.max_segments, scores);
   return ranking;
-}
-
-bool IsClear(const FeatureMatch& match) { return match.ratio < kClearRatio; }
-
-// Clear matches with landmarks that `segment` does not hold.
-std::ptrdiff_t CountForeign(int segment, const std::vector<FeatureMatch>& matches,
-                            const PlaceIndex& places) {
-  return std::ranges::count_if(matches, [&](const FeatureMatch& match) {
-    return IsClear(match) &&
-           !std::ranges::binary_search(places.SegmentsOf(match.landmark), segment);
-  });
 }
 
 }  // namespace
@@ -132,24 +121,6 @@ double SegmentScore(std::span<const FeatureMatch> matches) {
   double score = 0.0;
   for (const FeatureMatch& match : matches) score += 1.0 - static_cast<double>(match.ratio);
   return score;
-}
-
-std::vector<int> Ranking::TwinsOf(int segment, const PlaceIndex& places) const {
-  const auto own = matches.find(segment);
-  if (own == matches.end()) return {};
-  const double needed =
-      kTwinShare * static_cast<double>(std::ranges::count_if(own->second, IsClear));
-  std::vector<std::pair<std::ptrdiff_t, int>> twins;  // matches, negative, and segment
-  for (const auto& [other, found] : matches) {
-    if (other == segment) continue;
-    const std::ptrdiff_t clear = CountForeign(segment, found, places);
-    if (clear > 0 && static_cast<double>(clear) >= needed) twins.emplace_back(-clear, other);
-  }
-  std::sort(twins.begin(), twins.end());
-  std::vector<int> best;
-  for (const auto& twin : twins) best.push_back(twin.second);
-  if (best.size() > kMostTwins) best.resize(kMostTwins);
-  return best;
 }
 
 Ranking RankSegments(const PointFeatures& features, const std::optional<PosePrior>& prior,

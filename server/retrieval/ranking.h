@@ -24,13 +24,9 @@ struct RetrievalOptions {
 struct Ranking {
   // Indices into the segments that the index was built from, best first.
   std::vector<int> segments;
-  // Of each segment that was matched; `landmark` is one of the index.
+  // Of each segment that was matched: those of an even sample of the features. `landmark` is one
+  // of the index.
   std::map<int, std::vector<FeatureMatch>> matches;
-
-  // The segments that may be confused with `segment`, as equal rooms are: two fifths as many
-  // features match clearly with landmarks that only they hold. At most two, most matches first.
-  // Nothing where the prior alone ranked.
-  std::vector<int> TwinsOf(int segment, const PlaceIndex& places) const;
 };
 
 // Indices into the segments that `places` was built from, best first, at most max_segments.

@@ -1,0 +1,82 @@
+#include "server/pipeline/twins.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include "mapstore/geometry/pixel_scale.h"
+
+namespace maploc {
+namespace {
+
+constexpr double kTwinShare = 0.4;
+constexpr float kClearRatio = 0.75f;
+constexpr std::size_t kMostTwins = 2;
+// Of the inlier threshold. A place that was mapped twice is not mapped alike; of another place's
+// landmarks one in 400 lies as near by chance.
+constexpr double kNear = 5.0;
+
+bool IsClear(const FeatureMatch& match) { return match.ratio < kClearRatio; }
+
+// Where the answer's camera sees the landmarks of one segment.
+class SeenFromAnswer {
+ public:
+  SeenFromAnswer(const QueryContext& context, const Localization& answer, const Segment& segment)
+      : view_(context.view()),
+        points_(segment.points),
+        places_(*context.map.places),
+        camera_from_map_(view_.camera_from_body * answer.map_from_body->Inverse()),
+        radius_px_(kNear * context.MaxErrorVgaPx() * PixelScale(view_.camera)) {}
+
+  // Whether the matched landmark is near the matched feature.
+  bool Explains(const FeatureMatch& match) const {
+    const LandmarkId id = places_.IdOf(match.landmark);
+    const auto found = std::ranges::lower_bound(points_.ids, id) - points_.ids.begin();
+    const auto pixel = view_.camera.Project(camera_from_map_ * points_.positions_in_map[found]);
+    const Eigen::Vector2d feature_px = view_.points.keypoints_px[match.feature].cast<double>();
+    return pixel && (*pixel - feature_px).norm() < radius_px_;
+  }
+
+ private:
+  const View& view_;
+  const PointLandmarks& points_;
+  const PlaceIndex& places_;
+  Rigid3 camera_from_map_;
+  double radius_px_;
+};
+
+std::ptrdiff_t CountForAnotherPlace(const SeenFromAnswer& seen, int answered,
+                                    const std::vector<FeatureMatch>& matches,
+                                    const PlaceIndex& places) {
+  return std::ranges::count_if(matches, [&](const FeatureMatch& match) {
+    return IsClear(match) &&
+           !std::ranges::binary_search(places.SegmentsOf(match.landmark), answered) &&
+           !seen.Explains(match);
+  });
+}
+
+}  // namespace
+
+std::vector<int> FindTwins(const QueryContext& context, const Ranking& ranking,
+                           const Localization& answer) {
+  const auto own = ranking.matches.find(answer.segment);
+  if (own == ranking.matches.end()) return {};
+  const double needed =
+      kTwinShare * static_cast<double>(std::ranges::count_if(own->second, IsClear));
+  std::vector<std::pair<std::ptrdiff_t, int>> twins;  // matches, negative, and segment
+  for (const auto& [other, matches] : ranking.matches) {
+    if (other == answer.segment) continue;
+    const SeenFromAnswer seen(context, answer, *context.map.segments[other].segment);
+    const std::ptrdiff_t count =
+        CountForAnotherPlace(seen, answer.segment, matches, *context.map.places);
+    if (count > 0 && static_cast<double>(count) >= needed) twins.emplace_back(-count, other);
+  }
+  std::sort(twins.begin(), twins.end());
+  std::vector<int> best;
+  for (const auto& twin : twins) best.push_back(twin.second);
+  if (best.size() > kMostTwins) best.resize(kMostTwins);
+  return best;
+}
+
+}  // namespace maploc
