@@ -38,6 +38,8 @@ class FramePointValues {
     return {value, hn::And(hn::Gt(value, zero), hn::Gt(depth, zero))};
   }
 
+  HWY_INLINE hn::Mask<Lanes> Scores(Lanes d, std::size_t i) const { return At(d, i).scores; }
+
  private:
   const PointArrays& points_;
   const Transform camera_from_map_;

@@ -16,7 +16,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 // So many features of a kind place a pose far within the threshold; more only cost time. Refinement
 // takes all. The scoring arrays are in random order: the first ones are a random sample.
-constexpr std::size_t kMaxFeaturesOfKind = 128;
+constexpr std::size_t kMaxFeaturesOfKind = 64;
 // The threshold is taken as three sigmas of a keypoint.
 constexpr double kSigmasOfThreshold = 3.0;
 

@@ -21,7 +21,20 @@ class PlanePointValues {
                               const ScoringOptions& options)
       : points_(points),
         camera_from_map_(d, pose),
+        threshold2_(hn::Set(d, options.threshold * options.threshold)),
         inverse_threshold2_(hn::Set(d, 1.0f / (options.threshold * options.threshold))) {}
+
+  // At(d, i).scores without a division.
+  HWY_INLINE hn::Mask<Lanes> Scores(Lanes d, std::size_t i) const {
+    const Vec3 q =
+        camera_from_map_.Point(Load3(d, points_.x.data(), points_.y.data(), points_.z.data(), i));
+    const Floats ex = hn::NegMulAdd(hn::LoadU(d, points_.u.data() + i), q.z, q.x);
+    const Floats ey = hn::NegMulAdd(hn::LoadU(d, points_.v.data() + i), q.z, q.y);
+    const Floats error2 = hn::MulAdd(ex, ex, hn::Mul(ey, ey));
+    // Zero behind the camera: no error is below.
+    const Floats most2 = hn::Mul(hn::Mul(threshold2_, q.z), hn::Max(q.z, hn::Zero(d)));
+    return hn::Lt(error2, most2);
+  }
 
   HWY_INLINE Values At(Lanes d, std::size_t i) const {
     const Vec3 q =
@@ -38,6 +51,7 @@ class PlanePointValues {
  private:
   const PointArrays& points_;
   const Transform camera_from_map_;
+  const Floats threshold2_;
   const Floats inverse_threshold2_;
 };
 

@@ -170,6 +170,15 @@ Rigid3 UncentredPose(const PreparedProblem& prepared, const PoseMatrix& camera_f
   return {rotation, camera_from_centred.translation - rotation * prepared.centroid};
 }
 
+PoseMatrix CameraFromCentred(const PreparedProblem& prepared,
+                             const AlignedPose& aligned_from_centred) {
+  const Eigen::Matrix3d& turn = prepared.camera_from_aligned_matrix;
+  PoseMatrix pose;
+  pose.rotation.noalias() = turn * RotationMatrix(aligned_from_centred.yaw);
+  pose.translation.noalias() = turn * aligned_from_centred.translation;
+  return pose;
+}
+
 ScoringPose ToScoringPose(const PoseMatrix& pose) {
   ScoringPose result;
   for (int i = 0; i < 3; ++i) {

@@ -12,6 +12,7 @@
 #include "mapstore/base/random.h"
 #include "mapstore/model/matches.h"
 #include "server/ransac/scoring.h"
+#include "server/solvers/aligned.h"
 #include "server/solvers/reprojection.h"
 
 namespace maploc {
@@ -61,6 +62,10 @@ PreparedProblem PrepareProblem(const PoseProblem& problem, Random& random);
 
 // The same pose before and after the map is moved to its centroid.
 Rigid3 UncentredPose(const PreparedProblem& prepared, const PoseMatrix& camera_from_centred);
+
+// Turned from the aligned frame into the camera's.
+PoseMatrix CameraFromCentred(const PreparedProblem& prepared,
+                             const AlignedPose& aligned_from_centred);
 
 ScoringPose ToScoringPose(const PoseMatrix& pose);
 

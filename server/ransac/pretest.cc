@@ -46,12 +46,11 @@ void Pretest::Update(double best_score) {
             kMaxShare * static_cast<double>(all_points + all_lines);
 }
 
-bool Pretest::Passes(const Hypotheses& sample, const ScoringPose& pose, Random& random) const {
+bool Pretest::Passes(const Sample& sample, const ScoringPose& pose, Random& random) const {
   if (!useful_) return true;
   if (lines_ > 0) {
     const std::size_t begin = DrawBegin(prepared_.line_arrays.x.size(), lines_, random);
-    const int own =
-        CountOwn(sample.lines, sample.sampled_lines, prepared_.line_places, begin, lines_);
+    const int own = CountOwn(sample.lines, sample.line_count, prepared_.line_places, begin, lines_);
     const Support support =
         ScoreLines(prepared_.line_arrays, begin, begin + lines_, pose, options_);
     if (support.inliers > own) return true;
@@ -59,8 +58,8 @@ bool Pretest::Passes(const Hypotheses& sample, const ScoringPose& pose, Random& 
   if (points_ == 0) return false;
   const std::size_t begin = DrawBegin(prepared_.point_arrays.x.size(), points_, random);
   const int own =
-      CountOwn(sample.points, sample.sampled_points, prepared_.point_places, begin, points_);
-  return ScorePoints(prepared_.point_arrays, begin, begin + points_, pose, options_).inliers > own;
+      CountOwn(sample.points, sample.point_count, prepared_.point_places, begin, points_);
+  return CountScoringPoints(prepared_.point_arrays, begin, begin + points_, pose, options_) > own;
 }
 
 }  // namespace maploc

@@ -14,7 +14,7 @@
 
 #include "mapstore/base/random.h"
 #include "server/ransac/prepared_problem.h"
-#include "server/ransac/sampler.h"
+#include "server/ransac/sample_block.h"
 #include "server/ransac/scoring.h"
 
 namespace maploc {
@@ -27,7 +27,7 @@ class Pretest {
   // Sizes the block for poses at least as good as one of `best_score`. Without a call everything
   // passes.
   void Update(double best_score);
-  bool Passes(const Hypotheses& sample, const ScoringPose& pose, Random& random) const;
+  bool Passes(const Sample& sample, const ScoringPose& pose, Random& random) const;
 
  private:
   const PreparedProblem& prepared_;

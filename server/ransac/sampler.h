@@ -1,4 +1,5 @@
-// Draws minimal samples, gates the degenerate ones before solving, solves the rest.
+// Draws minimal samples, gates the degenerate ones, solves the rest: a block of draws at a time
+// (sample_block.h).
 //
 // 2P: two points. 1P1L: a point and a usable line. mixed: a point, then one of all the remaining
 // points and usable lines. Where DrawsVerticalLines (mapstore/model/strategy.h) says so, vertical
@@ -9,7 +10,7 @@
 //
 // Gates: conditioning w (server/solvers/yaw_equation.h) of at least sin 10 degrees; two points at
 // least 10 px apart in the image; a point at least 10 px off the image line. When fewer than half
-// of the draws of a window pass, all gates are halved.
+// of the draws of a block pass, all gates are halved.
 #pragma once
 
 #include <cstdint>
@@ -18,20 +19,9 @@
 #include "mapstore/model/strategy.h"
 #include "server/ransac/draw_pool.h"
 #include "server/ransac/prepared_problem.h"
-#include "server/solvers/aligned.h"
+#include "server/ransac/sample_block.h"
 
 namespace maploc {
-
-inline constexpr int kMaxPosesOfSample = 4;
-
-struct Hypotheses {
-  int count = 0;
-  int sampled_points = 0;
-  int sampled_lines = 0;
-  std::uint32_t points[3] = {0, 0, 0};  // of the sample, indices into PreparedProblem::points
-  std::uint32_t lines[2] = {0, 0};      // and ::lines
-  PoseMatrix camera_from_centred[kMaxPosesOfSample];
-};
 
 // Not thread-safe. `prepared` must outlive it.
 class Sampler {
@@ -40,8 +30,9 @@ class Sampler {
 
   // Whether a sample of the strategy exists at all. Nothing else may be called when not.
   bool CanDraw() const;
-  // One sample: count 0 when the draw was gated out or has no valid solution.
-  Hypotheses Draw(Random& random);
+  // The next sample: count 0 when the draw was gated out or has no valid solution. Until the next
+  // call.
+  const Hypotheses& Draw(Random& random);
   // The vertical lines take part.
   bool draws_vertical_lines() const { return draw_vertical_; }
 
@@ -55,26 +46,27 @@ class Sampler {
   };
 
   Pools CurrentPools() const;
-  bool DrawMixed(const Pools& pools, std::uint32_t first, Random& random, Hypotheses* out);
-  bool DrawTwoPoints(std::uint32_t first, std::uint32_t second, Hypotheses* out);
+  void FillBlock(Random& random);
+  // Each of these adds one sample to the block, or AddRejected. Those that the block does not gate
+  // count in passed_.
+  void AddDraw(Random& random);
+  void AddMixed(const Pools& pools, std::uint32_t first, Random& random);
+  void AddTwoPoints(std::uint32_t first, std::uint32_t second);
   // `entity` counts usable lines, then vertical ones.
-  bool DrawPointAndLineEntity(const Pools& pools, std::uint32_t point, std::uint32_t entity,
-                              Random& random, Hypotheses* out);
-  bool DrawPointAndLine(std::uint32_t point, std::uint32_t line, Hypotheses* out);
-  bool DrawPointAndVerticals(std::uint32_t point, std::uint32_t line, std::uint32_t other,
-                             Hypotheses* out);
-  bool DrawThreePoints(const Pools& pools, std::uint32_t first, Random& random, Hypotheses* out);
-  void AddAligned(const AlignedPose* poses, int count, Hypotheses* out) const;
-  // Counts a draw, and halves the gates when too few pass.
-  void CountDraw(bool passed);
+  void AddPointAndLineEntity(const Pools& pools, std::uint32_t point, std::uint32_t entity,
+                             Random& random);
+  void AddPointAndLine(std::uint32_t point, std::uint32_t line);
+  void AddPointAndVerticals(std::uint32_t point, std::uint32_t line, std::uint32_t other);
+  void AddThreePoints(const Pools& pools, std::uint32_t first, Random& random);
 
   const PreparedProblem& prepared_;
   const Strategy strategy_;
   const bool draw_vertical_;
   DrawPool pool_;
   double gate_ = 1.0;  // factor on all gates
-  int window_draws_ = 0;
-  int window_passed_ = 0;
+  SampleBlock block_;
+  int next_ = 0;    // of the block
+  int passed_ = 0;  // of the block's draws
 };
 
 }  // namespace maploc

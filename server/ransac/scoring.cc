@@ -43,6 +43,22 @@ Support PointKernel(const PointArrays& points, std::size_t begin, std::size_t en
   return Score(d, begin, end, PlanePointValues(d, points, pose, options));
 }
 
+template <typename FeatureValues>
+HWY_INLINE int Count(Lanes d, std::size_t begin, std::size_t end, const FeatureValues& features) {
+  std::size_t count = 0;
+  for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
+    count += hn::CountTrue(d, features.Scores(d, i));
+  }
+  return static_cast<int>(count);
+}
+
+int CountPointsKernel(const PointArrays& points, std::size_t begin, std::size_t end,
+                      const ScoringPose& pose, const ScoringOptions& options) {
+  const Lanes d;
+  if (points.has_frames()) return Count(d, begin, end, FramePointValues(d, points, pose, options));
+  return Count(d, begin, end, PlanePointValues(d, points, pose, options));
+}
+
 Support LineKernel(const LineArrays& lines, std::size_t begin, std::size_t end,
                    const ScoringPose& pose, const ScoringOptions& options) {
   const Lanes d;
@@ -78,6 +94,7 @@ HWY_AFTER_NAMESPACE();
 namespace maploc {
 
 HWY_EXPORT(PointKernel);
+HWY_EXPORT(CountPointsKernel);
 HWY_EXPORT(LineKernel);
 HWY_EXPORT(FindPointsKernel);
 HWY_EXPORT(FindLinesKernel);
@@ -163,6 +180,11 @@ void LineArrays::Pad() {
 Support ScorePoints(const PointArrays& points, std::size_t begin, std::size_t end,
                     const ScoringPose& pose, const ScoringOptions& options) {
   return HWY_DYNAMIC_DISPATCH(PointKernel)(points, begin, end, pose, options);
+}
+
+int CountScoringPoints(const PointArrays& points, std::size_t begin, std::size_t end,
+                       const ScoringPose& pose, const ScoringOptions& options) {
+  return HWY_DYNAMIC_DISPATCH(CountPointsKernel)(points, begin, end, pose, options);
 }
 
 Support ScoreLines(const LineArrays& lines, std::size_t begin, std::size_t end,

@@ -84,6 +84,11 @@ struct Support {
 Support ScorePoints(const PointArrays& points, std::size_t begin, std::size_t end,
                     const ScoringPose& pose, const ScoringOptions& options);
 
+// How many of the points [begin, end) score: ScorePoints' inliers, but for those within rounding of
+// the threshold, in less time.
+int CountScoringPoints(const PointArrays& points, std::size_t begin, std::size_t end,
+                       const ScoringPose& pose, const ScoringOptions& options);
+
 // Scores the lines [begin, end), as ScorePoints does points.
 Support ScoreLines(const LineArrays& lines, std::size_t begin, std::size_t end,
                    const ScoringPose& pose, const ScoringOptions& options);

@@ -7,6 +7,7 @@
 
 #include "server/ransac/local_optimizer.h"
 #include "server/ransac/pretest.h"
+#include "server/ransac/sampler.h"
 #include "server/ransac/stopping.h"
 
 namespace maploc {
@@ -79,22 +80,20 @@ class Search {
 
   // One evaluated hypothesis. True when the best pose changed.
   bool Iterate() {
-    Hypotheses hypotheses;
-    for (int i = 0; i <= kMaxRedraws && hypotheses.count == 0; ++i) {
-      hypotheses = sampler_.Draw(random_);
-    }
+    const Hypotheses* drawn = &sampler_.Draw(random_);
+    for (int i = 0; i < kMaxRedraws && drawn->count == 0; ++i) drawn = &sampler_.Draw(random_);
     bool improved = false;
-    for (int i = 0; i < hypotheses.count; ++i) {
-      improved |= Consider(hypotheses, hypotheses.camera_from_centred[i]);
+    for (int i = 0; i < drawn->count; ++i) {
+      improved |= Consider(drawn->sample, drawn->camera_from_centred[i]);
     }
     return improved;
   }
 
-  bool Consider(const Hypotheses& sample, const PoseMatrix& pose) {
+  bool Consider(const Sample& sample, const PoseMatrix& pose) {
     const ScoringPose scoring_pose = ToScoringPose(pose);
     if (!pretest_.Passes(sample, scoring_pose, random_)) return false;
     const Support support = Score(scoring_pose);
-    const int own = sample.sampled_points + sample.sampled_lines;
+    const int own = sample.point_count + sample.line_count;
     if (!IsWorthOptimizing(support, own)) return false;
     if (support.score > best_sampled_score_) {
       best_sampled_score_ = support.score;

@@ -52,18 +52,24 @@ HWY_INLINE hn::Vec<D> Plan2(const Vec3<D>& v) {
   return Plus(v.x, v.x, v.y, v.y);
 }
 
-// What the roots of an equation are made of. `real` is also false where r2 is zero or so small that
-// its inverse is not finite.
+// |(x, y, z)|^2.
+template <class D>
+HWY_INLINE hn::Vec<D> Norm2(const Vec3<D>& v) {
+  return hn::MulAdd(v.z, v.z, Plan2(v));
+}
+
+// What the roots of an equation are made of. `real` is also false where w^2 is below `least`, and
+// where r2 is zero or so small that its inverse is not finite.
 template <class D>
 struct Roots {
   hn::Vec<D> w;
   hn::Mask<D> real;
 
-  HWY_INLINE Roots(D d, const Equation<D>& e, hn::Vec<D> r2)
+  HWY_INLINE Roots(D d, const Equation<D>& e, hn::Vec<D> r2, hn::Vec<D> least)
       : w(hn::Zero(d)), real(hn::MaskFromVec(hn::Zero(d))) {
     const auto discriminant = hn::NegMulAdd(e.c, e.c, r2);
-    real = hn::Ge(hn::MulAdd(hn::Set(d, kTolerance), r2, discriminant),
-                  hn::Set(d, std::numeric_limits<double>::min()));
+    const auto above = hn::Sub(hn::MulAdd(hn::Set(d, kTolerance), r2, discriminant), least);
+    real = hn::Ge(above, hn::Set(d, std::numeric_limits<double>::min()));
     w = hn::Sqrt(hn::Max(discriminant, hn::Zero(d)));
   }
 };
@@ -86,18 +92,24 @@ struct Yaws {
   }
 };
 
-// t = depth ray - Rz P, where valid; a NaN for the cosine elsewhere. Returns how many are valid.
+// Of w^2, not divided by the lengths of n and D.
 template <class D>
-HWY_INLINE std::size_t StorePoses(D d, hn::Mask<D> valid, hn::Vec<D> cosine, hn::Vec<D> sine,
-                                  hn::Vec<D> depth, const Vec3<D>& ray, const Vec3<D>& point,
-                                  const AlignedPoseArrays& to, std::size_t i) {
+HWY_INLINE hn::Vec<D> Least(D d, double min_conditioning, const Vec3<D>& n, const Vec3<D>& v) {
+  const auto least2 = hn::Set(d, min_conditioning * min_conditioning);
+  return hn::Mul(least2, hn::Mul(Norm2(n), Norm2(v)));
+}
+
+// t = depth ray - Rz P, where valid; a NaN for the cosine elsewhere.
+template <class D>
+HWY_INLINE void StorePoses(D d, hn::Mask<D> valid, hn::Vec<D> cosine, hn::Vec<D> sine,
+                           hn::Vec<D> depth, const Vec3<D>& ray, const Vec3<D>& point,
+                           const AlignedPoseArrays& to, std::size_t i) {
   const auto nan = hn::Set(d, std::numeric_limits<double>::quiet_NaN());
   hn::StoreU(hn::IfThenElse(valid, cosine, nan), d, to.cosine + i);
   hn::StoreU(sine, d, to.sine + i);
   hn::StoreU(hn::MulSub(depth, ray.x, Minus(cosine, point.x, sine, point.y)), d, to.x + i);
   hn::StoreU(hn::MulSub(depth, ray.y, Plus(sine, point.x, cosine, point.y)), d, to.y + i);
   hn::StoreU(hn::MulSub(depth, ray.z, point.z), d, to.z + i);
-  return hn::CountTrue(d, valid);
 }
 
 // With N the horizontal part of n = x1 x x2, the depths of up2p.h become, at the roots,
@@ -112,7 +124,7 @@ HWY_INLINE std::size_t Up2p(D d, const Up2pArrays& s, const AlignedPoseArrays& f
   const Equation<D> e(n, along);
   const auto along2 = Plan2(along);
   const auto r2 = hn::Mul(Plan2(n), along2);  // sooner than a^2 + b^2
-  const Roots<D> roots(d, e, r2);
+  const Roots<D> roots(d, e, r2, Least(d, s.min_conditioning, n, along));
   const auto minus_by_r2 = hn::Div(hn::Set(d, -1.0), r2);
   const Yaws<D> yaws(e, roots.w, minus_by_r2);
   const auto minus_by_n2 = hn::Mul(minus_by_r2, along2);
@@ -126,10 +138,10 @@ HWY_INLINE std::size_t Up2p(D d, const Up2pArrays& s, const AlignedPoseArrays& f
   const auto zero = hn::Zero(d);
   const auto valid1 = hn::And(roots.real, hn::Lt(hn::Max(first1, first2), zero));
   const auto valid2 = hn::And(roots.real, hn::Gt(hn::Min(second1, second2), zero));
-  return StorePoses(d, valid1, yaws.cosine1, yaws.sine1, hn::Mul(first1, minus_by_n2), x1, p1,
-                    first, i) +
-         StorePoses(d, valid2, yaws.cosine2, yaws.sine2, hn::Neg(hn::Mul(second1, minus_by_n2)), x1,
-                    p1, second, i);
+  StorePoses(d, valid1, yaws.cosine1, yaws.sine1, hn::Mul(first1, minus_by_n2), x1, p1, first, i);
+  StorePoses(d, valid2, yaws.cosine2, yaws.sine2, hn::Neg(hn::Mul(second1, minus_by_n2)), x1, p1,
+             second, i);
+  return hn::CountTrue(d, roots.real);
 }
 
 template <class D>
@@ -139,7 +151,7 @@ HWY_INLINE std::size_t Up1p1l(D d, const Up1p1lArrays& s, const AlignedPoseArray
   const Vec3<D> along(d, s.line_direction, i);
   const Equation<D> e(n, along);
   const auto r2 = hn::Mul(Plan2(n), Plan2(along));  // sooner than a^2 + b^2
-  const Roots<D> roots(d, e, r2);
+  const Roots<D> roots(d, e, r2, Least(d, s.min_conditioning, n, along));
   const auto n_dot_x = hn::MulAdd(n.x, x.x, Plus(n.y, x.y, n.z, x.z));
   const auto product = hn::Mul(r2, n_dot_x);
   const auto minus_inverse = hn::Div(hn::Set(d, -1.0), product);
@@ -156,8 +168,9 @@ HWY_INLINE std::size_t Up1p1l(D d, const Up1p1lArrays& s, const AlignedPoseArray
       hn::And(roots.real, hn::Ge(hn::Abs(product), hn::Set(d, std::numeric_limits<double>::min())));
   const auto valid1 = hn::And(solvable, hn::Gt(depth1, hn::Zero(d)));
   const auto valid2 = hn::And(solvable, hn::Gt(depth2, hn::Zero(d)));
-  return StorePoses(d, valid1, yaws.cosine1, yaws.sine1, depth1, x, p, first, i) +
-         StorePoses(d, valid2, yaws.cosine2, yaws.sine2, depth2, x, p, second, i);
+  StorePoses(d, valid1, yaws.cosine1, yaws.sine1, depth1, x, p, first, i);
+  StorePoses(d, valid2, yaws.cosine2, yaws.sine2, depth2, x, p, second, i);
+  return hn::CountTrue(d, roots.real);
 }
 
 // Whole vectors, then the rest one by one.
@@ -165,24 +178,25 @@ std::size_t Up2pKernel(const Up2pArrays& samples, const AlignedPoseArrays& first
                        const AlignedPoseArrays& second) {
   const hn::ScalableTag<double> d;
   const std::size_t lanes = hn::Lanes(d);
-  std::size_t found = 0;
+  std::size_t conditioned = 0;
   std::size_t i = 0;
-  for (; i + lanes <= samples.count; i += lanes) found += Up2p(d, samples, first, second, i);
+  for (; i + lanes <= samples.count; i += lanes) conditioned += Up2p(d, samples, first, second, i);
   const hn::CappedTag<double, 1> one;
-  for (; i < samples.count; ++i) found += Up2p(one, samples, first, second, i);
-  return found;
+  for (; i < samples.count; ++i) conditioned += Up2p(one, samples, first, second, i);
+  return conditioned;
 }
 
 std::size_t Up1p1lKernel(const Up1p1lArrays& samples, const AlignedPoseArrays& first,
                          const AlignedPoseArrays& second) {
   const hn::ScalableTag<double> d;
   const std::size_t lanes = hn::Lanes(d);
-  std::size_t found = 0;
+  std::size_t conditioned = 0;
   std::size_t i = 0;
-  for (; i + lanes <= samples.count; i += lanes) found += Up1p1l(d, samples, first, second, i);
+  for (; i + lanes <= samples.count; i += lanes)
+    conditioned += Up1p1l(d, samples, first, second, i);
   const hn::CappedTag<double, 1> one;
-  for (; i < samples.count; ++i) found += Up1p1l(one, samples, first, second, i);
-  return found;
+  for (; i < samples.count; ++i) conditioned += Up1p1l(one, samples, first, second, i);
+  return conditioned;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -57,9 +57,9 @@ double MeanDraws(Order order) {
     const PreparedProblem prepared = PrepareProblem(made.problem, random);
     Sampler sampler(prepared, Strategy::k2P);
     for (bool all_inliers = false; !all_inliers; ++draws) {
-      const Hypotheses drawn = sampler.Draw(random);
-      all_inliers = drawn.count > 0 && made.point_is_inlier[drawn.points[0]] != 0 &&
-                    made.point_is_inlier[drawn.points[1]] != 0;
+      const Hypotheses& drawn = sampler.Draw(random);
+      all_inliers = drawn.count > 0 && made.point_is_inlier[drawn.sample.points[0]] != 0 &&
+                    made.point_is_inlier[drawn.sample.points[1]] != 0;
     }
   }
   return static_cast<double>(draws) / kProblems;

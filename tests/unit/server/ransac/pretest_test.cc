@@ -90,11 +90,11 @@ TEST(Pretest, AsksNothingBeforeThereIsAGoodPose) {
 TEST(Pretest, DoesNotCountTheSampleItself) {
   Random random = TestRandom();
   const Scene1300 scene(0, 1, random);
-  Hypotheses sample;
+  Sample sample;
   for (std::uint32_t i = 0; i < scene.made.line_is_inlier.size(); ++i) {
-    if (scene.made.line_is_inlier[i] != 0) sample.lines[sample.sampled_lines++] = i;
+    if (scene.made.line_is_inlier[i] != 0) sample.lines[sample.line_count++] = i;
   }
-  ASSERT_EQ(sample.sampled_lines, 1);
+  ASSERT_EQ(sample.line_count, 1);
   Pretest pretest(scene.prepared, kOptions);
   pretest.Update(30.0);
   int with_sample = 0;

@@ -57,7 +57,7 @@ TEST(Sampler, EverySampleOfInliersHoldsTheTruth) {
         const PreparedProblem prepared = PrepareProblem(made.problem, random);
         Sampler sampler(prepared, strategy);
         for (int draw = 0; draw < 20; ++draw) {
-          const Hypotheses drawn = sampler.Draw(random);
+          const Hypotheses& drawn = sampler.Draw(random);
           if (drawn.count == 0) continue;
           ++solved;
           bool found = false;
