@@ -1,3 +1,4 @@
+// `maploc-map restore`: puts a backup in the place of a store that nobody has open.
 #pragma once
 
 #include "mapstore/tools/commands.h"

@@ -1,3 +1,4 @@
+// The names of sessions.
 #pragma once
 
 #include "mapstore/base/ids.h"
