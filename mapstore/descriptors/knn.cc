@@ -72,23 +72,11 @@ void SearchTile(const DescriptorKind& kind, std::span<const std::int32_t> landma
   }
 }
 
-double RatioOf(const Neighbours& n, DescriptorMetric metric) {
-  if (n.second_distance == UINT32_MAX || n.second_distance == 0) return 1.0;
-  const double ratio = static_cast<double>(n.best_distance) / n.second_distance;
-  return metric == DescriptorMetric::kL2U8 ? std::sqrt(ratio) : ratio;
-}
-
-bool PassesRatio(const Neighbours& n, DescriptorMetric metric, const MatchOptions& options) {
-  if (n.best < 0) return false;
-  const bool alone = n.second_distance == UINT32_MAX;
-  return alone || RatioOf(n, metric) <= static_cast<double>(options.max_ratio);
-}
-
 std::vector<FeatureMatch> RatioMatches(std::span<const Neighbours> neighbours,
                                        DescriptorMetric metric, const MatchOptions& options) {
   std::vector<FeatureMatch> matches;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
-    if (!PassesRatio(neighbours[i], metric, options)) continue;
+    if (!PassesRatio(neighbours[i], metric, options.max_ratio)) continue;
     matches.push_back({static_cast<std::int32_t>(i), neighbours[i].best,
                        static_cast<float>(RatioOf(neighbours[i], metric))});
   }
@@ -176,10 +164,29 @@ std::vector<Neighbours> FindNeighbours(const Descriptors& queries, const Descrip
   return nearest;
 }
 
+double RatioOf(const Neighbours& n, DescriptorMetric metric) {
+  if (n.second_distance == UINT32_MAX || n.second_distance == 0) return 1.0;
+  const double ratio = static_cast<double>(n.best_distance) / n.second_distance;
+  return metric == DescriptorMetric::kL2U8 ? std::sqrt(ratio) : ratio;
+}
+
+bool PassesRatio(const Neighbours& n, DescriptorMetric metric, float max_ratio) {
+  if (n.best < 0) return false;
+  const bool alone = n.second_distance == UINT32_MAX;
+  return alone || RatioOf(n, metric) <= static_cast<double>(max_ratio);
+}
+
 std::vector<FeatureMatch> MatchDescriptors(const Descriptors& queries, const Descriptors& database,
                                            std::span<const std::int32_t> row_landmark,
                                            const MatchOptions& options) {
-  const std::vector<Neighbours> neighbours = FindNeighbours(queries, database, row_landmark);
+  return MatchNeighbours(FindNeighbours(queries, database, row_landmark), queries, database,
+                         row_landmark, options);
+}
+
+std::vector<FeatureMatch> MatchNeighbours(std::span<const Neighbours> neighbours,
+                                          const Descriptors& queries, const Descriptors& database,
+                                          std::span<const std::int32_t> row_landmark,
+                                          const MatchOptions& options) {
   std::vector<FeatureMatch> matches = RatioMatches(neighbours, database.kind.metric, options);
   if (options.mutual) EraseOneWay(queries, database, row_landmark, matches);
   return matches;

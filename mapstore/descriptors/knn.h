@@ -22,6 +22,19 @@ struct MatchOptions {
 std::vector<Neighbours> FindNeighbours(const Descriptors& queries, const Descriptors& database,
                                        std::span<const std::int32_t> row_landmark);
 
+// Best distance over second best (not squared); 1 where there is no other landmark to compare with,
+// or where both distances are 0.
+double RatioOf(const Neighbours& neighbours, DescriptorMetric metric);
+
+// Whether there is a neighbour, and it is the only landmark or has a ratio of at most `max_ratio`.
+bool PassesRatio(const Neighbours& neighbours, DescriptorMetric metric, float max_ratio);
+
+// MatchDescriptors' matches of what FindNeighbours found.
+std::vector<FeatureMatch> MatchNeighbours(std::span<const Neighbours> neighbours,
+                                          const Descriptors& queries, const Descriptors& database,
+                                          std::span<const std::int32_t> row_landmark,
+                                          const MatchOptions& options = {});
+
 // At most one match a feature and one a landmark, ascending by feature.
 std::vector<FeatureMatch> MatchDescriptors(const Descriptors& queries, const Descriptors& database,
                                            std::span<const std::int32_t> row_landmark,

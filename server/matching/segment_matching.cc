@@ -1,22 +1,32 @@
 #include "server/matching/segment_matching.h"
 
+#include <utility>
+
 #include "mapstore/base/even_sample.h"
 
 namespace maploc {
 namespace {
 
-std::vector<FeatureMatch> MatchKind(const Descriptors& features, const Descriptors& landmarks,
-                                    const std::vector<std::int32_t>& row_landmark) {
+struct KindSearch {
+  std::vector<FeatureMatch> matches;
+  std::vector<Neighbours> neighbours;
+};
+
+KindSearch SearchKind(const Descriptors& features, const Descriptors& landmarks,
+                      const std::vector<std::int32_t>& row_landmark) {
   if (features.size() == 0 || landmarks.size() == 0) return {};
-  return MatchDescriptors(features, landmarks, row_landmark,
-                          {.max_ratio = MaxRatio(landmarks.kind), .mutual = true});
+  KindSearch search;
+  search.neighbours = FindNeighbours(features, landmarks, row_landmark);
+  search.matches = MatchNeighbours(search.neighbours, features, landmarks, row_landmark,
+                                   {.max_ratio = MaxRatio(landmarks.kind)});
+  return search;
 }
 
 // Lines that the segment does not describe in the view's kind give none.
-std::vector<FeatureMatch> MatchLines(const View& view, const Segment& segment) {
+KindSearch SearchLines(const View& view, const Segment& segment) {
   if (view.lines.descriptors.kind != segment.lines.descriptors.kind) return {};
-  return MatchKind(view.lines.descriptors, segment.lines.descriptors,
-                   segment.lines.descriptor_landmark);
+  return SearchKind(view.lines.descriptors, segment.lines.descriptors,
+                    segment.lines.descriptor_landmark);
 }
 
 }  // namespace
@@ -27,18 +37,25 @@ float MaxRatio(const DescriptorKind& kind) {
 }
 
 Matches MatchSegment(const View& view, const Segment& segment) {
-  return {MatchKind(view.points.descriptors, segment.points.descriptors,
-                    segment.points.descriptor_landmark),
-          MatchLines(view, segment)};
+  return SearchSegment(view, segment).matches;
+}
+
+SegmentSearch SearchSegment(const View& view, const Segment& segment) {
+  KindSearch points = SearchKind(view.points.descriptors, segment.points.descriptors,
+                                 segment.points.descriptor_landmark);
+  KindSearch lines = SearchLines(view, segment);
+  return {{std::move(points.matches), std::move(lines.matches)},
+          std::move(points.neighbours),
+          std::move(lines.neighbours)};
 }
 
 Matches MatchSample(const View& view, const Segment& segment, int point_count) {
   const Descriptors& landmarks = segment.points.descriptors;
-  if (landmarks.size() == 0) return {{}, MatchLines(view, segment)};
+  if (landmarks.size() == 0) return {{}, SearchLines(view, segment).matches};
   return {MatchSome(view.points.descriptors,
                     EvenSample(view.points.descriptors.size(), point_count), landmarks,
                     segment.points.descriptor_landmark, {.max_ratio = MaxRatio(landmarks.kind)}),
-          MatchLines(view, segment)};
+          SearchLines(view, segment).matches};
 }
 
 }  // namespace maploc

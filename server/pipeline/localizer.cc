@@ -1,12 +1,14 @@
 #include "server/pipeline/localizer.h"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "mapstore/base/random.h"
+#include "server/matching/joint_matching.h"
 #include "server/matching/mirrored.h"
 #include "server/matching/segment_matching.h"
 #include "server/pipeline/attempt.h"
@@ -39,11 +41,6 @@ Ranking Rank(const QueryContext& context, const std::optional<PosePrior>& prior,
   return RankSegments(context.view().points, prior, *context.map.places, options);
 }
 
-MatchedProblem Match(const QueryContext& context, const Segment& segment, StageTimes& times) {
-  const Stopwatch watch(times.matching_ms);
-  return MakeProblem(context, segment, MatchSegment(context.view(), segment));
-}
-
 bool IsTried(AgainstGravity when, Outcome outcome) {
   switch (when) {
     case AgainstGravity::kNever:
@@ -59,8 +56,19 @@ bool IsTried(AgainstGravity when, Outcome outcome) {
 // What the segments of a query that were tried so far leave to the next.
 struct Progress {
   int iterations = 0;
-  int contradicting_inliers = 0;  // most inliers of a pose that contradicts the calibration
+  int contradicting_inliers = 0;          // most inliers of a pose that contradicts the calibration
+  std::map<int, SegmentSearch> searches;  // by segment: each is searched once
 };
+
+const SegmentSearch& SearchOnce(const QueryContext& context, int segment, Progress& progress,
+                                StageTimes& times) {
+  const auto [found, is_new] = progress.searches.try_emplace(segment);
+  if (is_new) {
+    const Stopwatch watch(times.matching_ms);
+    found->second = SearchSegment(context.view(), *context.map.segments[segment].segment);
+  }
+  return found->second;
+}
 
 int InlierCount(const Evidence& evidence) {
   return evidence.points.inliers + evidence.usable_lines.inliers + evidence.vertical_lines.inliers;
@@ -101,12 +109,12 @@ Localization UnlessMirrored(const QueryContext& context, const Segment& segment,
   return Withheld(std::move(answer), Outcome::kLowConfidence);
 }
 
-// One segment through matching and all that follows; once more without the gravity that was sent
-// where that may be what is wrong. Only a LOCALIZED answer is taken from that second attempt.
-Result<Localization> TrySegment(const QueryContext& context, const MapSnapshot::Entry& entry,
-                                AgainstGravity against_gravity, Progress& progress,
-                                StageTimes& times) {
-  const MatchedProblem matched = Match(context, *entry.segment, times);
+// A segment's matches through all that follows; once more without the gravity that was sent where
+// that may be what is wrong. Only a LOCALIZED answer is taken from that second attempt.
+Result<Localization> TryMatched(const QueryContext& context, const MapSnapshot::Entry& entry,
+                                const Matches& matches, AgainstGravity against_gravity,
+                                Progress& progress, StageTimes& times) {
+  const MatchedProblem matched = MakeProblem(context, *entry.segment, matches);
   const PoseProblem& problem = matched.problem;
   const Localization start = StartAnswer(context, entry, matched);
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
@@ -131,17 +139,30 @@ Result<Localization> TrySegment(const QueryContext& context, const MapSnapshot::
   return Weigh(UnlessMirrored(context, *entry.segment, *std::move(free), times), progress);
 }
 
+Result<Localization> TrySegment(const QueryContext& context, int segment,
+                                AgainstGravity against_gravity, Progress& progress,
+                                StageTimes& times) {
+  const SegmentSearch& search = SearchOnce(context, segment, progress, times);
+  return TryMatched(context, context.map.segments[segment], search.matches, against_gravity,
+                    progress, times);
+}
+
 // All ranked segments as one, where each alone was too little. The answer is told as one about the
 // segment that holds most of its inliers.
 Result<Localization> TryJointly(const QueryContext& context, const std::vector<int>& ranked,
                                 Progress& progress, StageTimes& times) {
   std::vector<std::shared_ptr<const Segment>> parts;
-  for (const int index : ranked) parts.push_back(context.map.segments[index].segment);
+  std::vector<SearchedSegment> searched;
+  for (const int index : ranked) {
+    parts.push_back(context.map.segments[index].segment);
+    searched.push_back({parts.back().get(), &SearchOnce(context, index, progress, times)});
+    MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
+  }
   const auto joint = std::make_shared<const Segment>(JoinSegments(parts));
   const MapSnapshot::Entry entry{joint, context.map.segments[ranked.front()].decision};
-  MAPLOC_ASSIGN_OR_RETURN(
-      Localization answer,
-      TrySegment(context, entry, AgainstGravity::kIfNotLocalized, progress, times));
+  MAPLOC_ASSIGN_OR_RETURN(Localization answer,
+                          TryMatched(context, entry, MatchJointly(searched, *joint),
+                                     AgainstGravity::kIfNotLocalized, progress, times));
   TellOfOnePart(*joint, parts, answer);
   return answer;
 }
@@ -153,8 +174,8 @@ Result<Localization> TryBeyondFirst(const QueryContext& context, const std::vect
   MAPLOC_ASSIGN_OR_RETURN(Localization answer, TryJointly(context, ranked, progress, times));
   for (std::size_t i = 1; i < ranked.size() && answer.outcome != Outcome::kLocalized; ++i) {
     MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
-    MAPLOC_ASSIGN_OR_RETURN(answer, TrySegment(context, context.map.segments[ranked[i]],
-                                               AgainstGravity::kNever, progress, times));
+    MAPLOC_ASSIGN_OR_RETURN(
+        answer, TrySegment(context, ranked[i], AgainstGravity::kNever, progress, times));
   }
   return answer;
 }
@@ -171,7 +192,7 @@ Result<Localization> TrySegments(const QueryContext& context, const std::vector<
   if (quick) quick = Weigh(*std::move(quick), progress);
   if (quick && quick->outcome == Outcome::kLocalized) return *std::move(quick);
   const bool alone = ranked.size() == 1;
-  MAPLOC_ASSIGN_OR_RETURN(Localization first, TrySegment(context, best,
+  MAPLOC_ASSIGN_OR_RETURN(Localization first, TrySegment(context, ranked.front(),
                                                          alone ? AgainstGravity::kIfNotLocalized
                                                                : AgainstGravity::kIfInconsistent,
                                                          progress, times));
@@ -210,8 +231,8 @@ Result<Localization> UnlessTwin(const QueryContext& context, const Ranking& rank
                                 Localization answer, Progress& progress, StageTimes& times) {
   if (answer.outcome != Outcome::kLocalized) return answer;
   for (const int twin : FindTwins(context, ranking, answer)) {
-    Result<Localization> other = TrySegment(context, context.map.segments[twin],
-                                            AgainstGravity::kIfInconsistent, progress, times);
+    Result<Localization> other =
+        TrySegment(context, twin, AgainstGravity::kIfInconsistent, progress, times);
     if (!other.ok() && !IsOutOfTime(other.status())) return other.status();
     // What could not be compared in time is not told.
     if (!other.ok()) return Withheld(std::move(answer), Outcome::kLowConfidence);

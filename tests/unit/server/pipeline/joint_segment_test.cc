@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
+#include "server/matching/joint_matching.h"
 #include "server/pipeline/localizer.h"
 #include "tests/support/drawn_world.h"
 #include "tests/support/seed.h"
@@ -77,6 +79,39 @@ TEST(JoinSegmentsTest, TellsFromWhereLandmarksWereSeenWhereAllPartsKnowIt) {
   right->points.viewing.clear();
   const Segment half_known = JoinSegments({left, right});
   EXPECT_TRUE(half_known.points.viewing.empty());
+}
+
+std::vector<std::tuple<int, int, float>> Tuples(const std::vector<FeatureMatch>& matches) {
+  std::vector<std::tuple<int, int, float>> tuples;
+  for (const auto& [feature, landmark, ratio] : matches) {
+    tuples.emplace_back(feature, landmark, ratio);
+  }
+  return tuples;
+}
+
+// Searching each part and joining what was found, as the localizer does, is searching the joint
+// segment: many landmarks are in several parts.
+TEST(MatchJointlyTest, FindsWhatASearchOfTheJointSegmentFinds) {
+  Random random = testing::TestRandom();
+  for (int i = 0; i < 10; ++i) {
+    const DrawnWorld world(testing::TestRandom(static_cast<std::uint64_t>(i)));
+    const Query query = world.See(DrawnWorld::CameraFromMapAt(16.0, 0.6), {}, random);
+    const View& view = query.views.front();
+    const Segment joint = JoinSegments(world.segments());
+    std::vector<SegmentSearch> searches;
+    for (const auto& segment : world.segments()) searches.push_back(SearchSegment(view, *segment));
+    std::vector<SearchedSegment> parts;
+    for (std::size_t s = 0; s < searches.size(); ++s) {
+      parts.push_back({world.segments()[s].get(), &searches[s]});
+    }
+    const Matches found = MatchJointly(parts, joint);
+    const Matches expected = MatchSegment(view, joint);
+    ASSERT_GT(expected.points.size(), 20u);
+    ASSERT_GT(expected.lines.size(), 5u);
+    EXPECT_EQ(Tuples(found.points), Tuples(expected.points));
+    EXPECT_EQ(Tuples(found.lines), Tuples(expected.lines));
+    EXPECT_NE(found.points.size(), searches.front().matches.points.size());
+  }
 }
 
 TEST(TellOfOnePartTest, KeepsWhatThePartWithMostInliersHolds) {
