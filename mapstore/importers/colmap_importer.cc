@@ -115,16 +115,16 @@ class Importer {
     report_.segment_length =
         options_.segment_length.value_or(DefaultSegmentLength(frames_, points_));
     const std::vector<std::vector<int>> cuts =
-        CutPath(frames_, OrderAlongPath(frames_), report_.segment_length);
+        CutIntoSegments(frames_, points_, report_.segment_length);
     report_.info.created_unix_ns = SystemClock().NowUnixNanos();
     if (lines_.empty()) TellLostLines(store);
     MAPLOC_ASSIGN_OR_RETURN(const std::unique_ptr<MapWriter> writer,
                             store.BeginImport(report_.info));
+    const SegmentMaker maker(frames_, {points_, report_.info.point_descriptor},
+                             {lines_, report_.info.line_descriptor});
     for (const std::vector<int>& segment_frames : cuts) {
       const auto id = static_cast<SegmentId>(report_.segments++);
-      MAPLOC_RETURN_IF_ERROR(writer->AddSegment(MakeSegment(id, segment_frames, frames_, points_,
-                                                            report_.info.point_descriptor, lines_,
-                                                            report_.info.line_descriptor)));
+      MAPLOC_RETURN_IF_ERROR(writer->AddSegment(maker.Make(id, segment_frames)));
       if (progress_) progress_("writing segments", id + 1, static_cast<int>(cuts.size()));
     }
     MAPLOC_RETURN_IF_ERROR(options_.stage ? writer->CommitStaged() : writer->Commit());

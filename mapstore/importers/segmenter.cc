@@ -3,98 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <string_view>
 #include <utility>
 
 #include "mapstore/base/median.h"
+#include "mapstore/importers/frame_order.h"
 #include "mapstore/importers/landmark_views.h"
+#include "mapstore/importers/photo_groups.h"
 
 namespace maploc {
 namespace {
 
 constexpr double kOverlap = 0.25;     // of a stretch's length, added at each end
 constexpr int kMinOverlapFrames = 2;  // added at each end, however far apart
-
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
-
-std::string_view TakeDigits(std::string_view& text) {
-  std::size_t count = 0;
-  while (count < text.size() && IsDigit(text[count])) ++count;
-  std::string_view digits = text.substr(0, count);
-  text.remove_prefix(count);
-  digits.remove_prefix(std::min(digits.find_first_not_of('0'), digits.size()));
-  return digits;
-}
-
-// Numbers compare by value, however long.
-bool NaturallyBefore(std::string_view a, std::string_view b) {
-  while (!a.empty() && !b.empty()) {
-    if (IsDigit(a[0]) && IsDigit(b[0])) {
-      const std::string_view number_a = TakeDigits(a);
-      const std::string_view number_b = TakeDigits(b);
-      if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
-      if (number_a != number_b) return number_a < number_b;
-    } else {
-      if (a[0] != b[0]) return a[0] < b[0];
-      a.remove_prefix(1);
-      b.remove_prefix(1);
-    }
-  }
-  return a.size() < b.size();
-}
-
-std::vector<Eigen::Vector3d> Centers(std::span<const KeyFrame> frames) {
-  std::vector<Eigen::Vector3d> centers;
-  for (const KeyFrame& frame : frames) centers.push_back(frame.CenterInMap());
-  return centers;
-}
-
-double PathLength(const std::vector<Eigen::Vector3d>& centers, const std::vector<int>& order) {
-  double length = 0;
-  for (std::size_t i = 1; i < order.size(); ++i) {
-    length += (centers[static_cast<std::size_t>(order[i])] -
-               centers[static_cast<std::size_t>(order[i - 1])])
-                  .norm();
-  }
-  return length;
-}
-
-std::vector<int> ChainNearest(const std::vector<Eigen::Vector3d>& centers) {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& center : centers) {
-    middle += center / static_cast<double>(centers.size());
-  }
-  std::vector<int> left(centers.size());
-  std::iota(left.begin(), left.end(), 0);
-  const auto distance = [&](const Eigen::Vector3d& from) {
-    return [&centers, from](int a, int b) {
-      return (centers[static_cast<std::size_t>(a)] - from).squaredNorm() <
-             (centers[static_cast<std::size_t>(b)] - from).squaredNorm();
-    };
-  };
-  std::vector<int> order;
-  auto next = std::max_element(left.begin(), left.end(), distance(middle));
-  while (next != left.end()) {
-    order.push_back(*next);
-    left.erase(next);
-    next = std::min_element(left.begin(), left.end(),
-                            distance(centers[static_cast<std::size_t>(order.back())]));
-  }
-  return order;
-}
-
-// The landmarks that one of the frames saw, as indices.
-template <typename Track>
-std::vector<int> SeenBy(const std::vector<char>& in_segment, std::span<const Track> tracks) {
-  std::vector<int> seen;
-  for (std::size_t i = 0; i < tracks.size(); ++i) {
-    const bool is_seen = std::any_of(
-        tracks[i].frames.begin(), tracks[i].frames.end(),
-        [&](std::int32_t frame) { return in_segment[static_cast<std::size_t>(frame)] != 0; });
-    if (is_seen) seen.push_back(static_cast<int>(i));
-  }
-  return seen;
-}
 
 template <typename Track, typename Landmarks>
 void AppendLandmark(int id, const Track& track, Landmarks& landmarks) {
@@ -107,23 +27,6 @@ void AppendLandmark(int id, const Track& track, Landmarks& landmarks) {
 }
 
 }  // namespace
-
-std::vector<int> OrderAlongPath(std::span<const KeyFrame> frames) {
-  constexpr double kMaxDetour = 2.0;
-  std::vector<int> by_name(frames.size());
-  std::iota(by_name.begin(), by_name.end(), 0);
-  std::sort(by_name.begin(), by_name.end(), [&](int a, int b) {
-    const std::string& name_a = frames[static_cast<std::size_t>(a)].name;
-    const std::string& name_b = frames[static_cast<std::size_t>(b)].name;
-    if (NaturallyBefore(name_a, name_b)) return true;
-    return !NaturallyBefore(name_b, name_a) && name_a < name_b;
-  });
-  const std::vector<Eigen::Vector3d> centers = Centers(frames);
-  const std::vector<int> by_place = ChainNearest(centers);
-  const bool is_path =
-      PathLength(centers, by_name) <= kMaxDetour * PathLength(centers, by_place) + 1e-9;
-  return is_path ? by_name : by_place;
-}
 
 double DefaultSegmentLength(std::span<const KeyFrame> frames, std::span<const PointTrack> points) {
   constexpr double kDepths = 2.0;
@@ -140,12 +43,11 @@ double DefaultSegmentLength(std::span<const KeyFrame> frames, std::span<const Po
 
 std::vector<std::vector<int>> CutPath(std::span<const KeyFrame> frames,
                                       const std::vector<int>& order, double length) {
-  const std::vector<Eigen::Vector3d> centers = Centers(frames);
   std::vector<double> distance;  // along the path, one a place in `order`
   for (std::size_t i = 0; i < order.size(); ++i) {
     const std::vector<int> step(order.begin() + static_cast<std::ptrdiff_t>(i > 0 ? i - 1 : 0),
                                 order.begin() + static_cast<std::ptrdiff_t>(i + 1));
-    distance.push_back((i > 0 ? distance.back() : 0.0) + PathLength(centers, step));
+    distance.push_back((i > 0 ? distance.back() : 0.0) + PathLength(frames, step));
   }
   const double total = distance.empty() ? 0.0 : distance.back();
   // No more stretches than frames, so that a tiny length asks for no memory.
@@ -174,32 +76,71 @@ std::vector<std::vector<int>> CutPath(std::span<const KeyFrame> frames,
   return segments;
 }
 
-Segment MakeSegment(SegmentId id, const std::vector<int>& segment_frames,
-                    std::span<const KeyFrame> frames, std::span<const PointTrack> points,
-                    const DescriptorKind& point_kind, std::span<const LineTrackInMap> lines,
-                    const DescriptorKind& line_kind) {
+std::vector<std::vector<int>> CutIntoSegments(std::span<const KeyFrame> frames,
+                                              std::span<const PointTrack> points, double length) {
+  if (const auto order = RecordedOrder(frames)) return CutPath(frames, *order, length);
+  std::vector<std::vector<int>> groups =
+      GroupPhotos(frames, points, (1.0 + 2.0 * kOverlap) * length);
+  for (std::vector<int>& group : groups) group = OrderByNearness(frames, group);
+  return groups;
+}
+
+template <typename Track>
+SegmentMaker::Seen::Seen(std::size_t frames, std::span<const Track> tracks) : begin(frames + 1, 0) {
+  for (const Track& track : tracks) {
+    for (const std::int32_t frame : track.frames) ++begin[frame + 1];
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  landmarks.resize(begin.back());
+  std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    for (const std::int32_t frame : tracks[i].frames) {
+      landmarks[next[frame]++] = static_cast<int>(i);
+    }
+  }
+}
+
+std::vector<int> SegmentMaker::Seen::By(const std::vector<int>& frames) const {
+  std::vector<int> seen;
+  for (const int frame : frames) {
+    seen.insert(seen.end(), landmarks.begin() + static_cast<std::ptrdiff_t>(begin[frame]),
+                landmarks.begin() + static_cast<std::ptrdiff_t>(begin[frame + 1]));
+  }
+  std::ranges::sort(seen);
+  const auto repeated = std::ranges::unique(seen);
+  seen.erase(repeated.begin(), repeated.end());
+  return seen;
+}
+
+SegmentMaker::SegmentMaker(std::span<const KeyFrame> frames, const TracksOfKind<PointTrack>& points,
+                           const TracksOfKind<LineTrackInMap>& lines)
+    : frames_(frames),
+      points_(points),
+      lines_(lines),
+      points_seen_(frames.size(), points.tracks),
+      lines_seen_(frames.size(), lines.tracks) {}
+
+Segment SegmentMaker::Make(SegmentId id, const std::vector<int>& segment_frames) const {
   Segment segment;
   segment.id = id;
-  std::vector<char> in_segment(frames.size(), 0);
   for (const int frame : segment_frames) {
-    in_segment[static_cast<std::size_t>(frame)] = 1;
-    segment.path_in_map.push_back(frames[static_cast<std::size_t>(frame)].CenterInMap());
+    segment.path_in_map.push_back(frames_[frame].CenterInMap());
   }
-  segment.points.descriptors.kind = point_kind;
-  for (const int i : SeenBy(in_segment, points)) {
-    const PointTrack& track = points[static_cast<std::size_t>(i)];
+  segment.points.descriptors.kind = points_.kind;
+  for (const int i : points_seen_.By(segment_frames)) {
+    const PointTrack& track = points_.tracks[i];
     const Eigen::Vector3d& position = track.position_in_map;
     segment.points.positions_in_map.push_back(position);
-    segment.points.viewing.push_back(ViewingFromFrames(position, frames, track.frames));
+    segment.points.viewing.push_back(ViewingFromFrames(position, frames_, track.frames));
     AppendLandmark(i, track, segment.points);
   }
-  segment.lines.descriptors.kind = line_kind;
-  for (const int i : SeenBy(in_segment, lines)) {
-    const LineTrackInMap& track = lines[static_cast<std::size_t>(i)];
+  segment.lines.descriptors.kind = lines_.kind;
+  for (const int i : lines_seen_.By(segment_frames)) {
+    const LineTrackInMap& track = lines_.tracks[i];
     const LineSegment3& line = track.segment_in_map;
     segment.lines.segments_in_map.push_back(line);
     segment.lines.viewing.push_back(
-        ViewingFromFrames((line.start + line.end) / 2, frames, track.frames));
+        ViewingFromFrames((line.start + line.end) / 2, frames_, track.frames));
     AppendLandmark(i, track, segment.lines);
   }
   return segment;

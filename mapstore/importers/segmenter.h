@@ -1,8 +1,8 @@
 // Cuts a map into segments: contiguous stretches of the key frames' path, which overlap so that a
-// query at a border still sees its landmarks.
+// query at a border still sees its landmarks; or groups of unordered photos.
 #pragma once
 
-#include <optional>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -10,12 +10,6 @@
 #include "mapstore/model/map.h"
 
 namespace maploc {
-
-// The frames in the order in which the robot passed them. By name, numbers in names by their value
-// ("img2" before "img10"), as recorders name them; but where that path is more than twice as long
-// as the one that always goes to the nearest frame left (unordered photos), by the latter, from the
-// frame farthest from the middle.
-std::vector<int> OrderAlongPath(std::span<const KeyFrame> frames);
 
 // Twice the median distance from a frame to the landmarks it sees: what is seen from one end of a
 // stretch is then mostly seen from its other end too, whatever the unit.
@@ -27,10 +21,46 @@ double DefaultSegmentLength(std::span<const KeyFrame> frames, std::span<const Po
 std::vector<std::vector<int>> CutPath(std::span<const KeyFrame> frames,
                                       const std::vector<int>& order, double length);
 
-// A segment with all landmarks that one of its frames saw. Ids are the tracks' indices.
-Segment MakeSegment(SegmentId id, const std::vector<int>& segment_frames,
-                    std::span<const KeyFrame> frames, std::span<const PointTrack> points,
-                    const DescriptorKind& point_kind, std::span<const LineTrackInMap> lines,
-                    const DescriptorKind& line_kind);
+// CutPath where the frames were recorded along a path (frame_order.h). Unordered photos are grouped
+// (photo_groups.h), each group as wide as a stretch with what is added to it, its frames ordered by
+// nearness.
+std::vector<std::vector<int>> CutIntoSegments(std::span<const KeyFrame> frames,
+                                              std::span<const PointTrack> points, double length);
+
+// All tracks of one kind, and their descriptors'.
+template <typename Track>
+struct TracksOfKind {
+  std::span<const Track> tracks;
+  DescriptorKind kind;
+};
+
+// Makes segments from frames and tracks, which must outlive it.
+class SegmentMaker {
+ public:
+  SegmentMaker(std::span<const KeyFrame> frames, const TracksOfKind<PointTrack>& points,
+               const TracksOfKind<LineTrackInMap>& lines);
+
+  // A segment with all landmarks that one of its frames saw. Ids are the tracks' indices. O(what
+  // the frames saw).
+  Segment Make(SegmentId id, const std::vector<int>& segment_frames) const;
+
+ private:
+  // The tracks that each frame saw.
+  struct Seen {
+    template <typename Track>
+    Seen(std::size_t frames, std::span<const Track> tracks);
+    // Of any of the frames, ascending.
+    std::vector<int> By(const std::vector<int>& frames) const;
+
+    std::vector<std::size_t> begin;  // of each frame's in `landmarks`, and the end
+    std::vector<int> landmarks;
+  };
+
+  std::span<const KeyFrame> frames_;
+  TracksOfKind<PointTrack> points_;
+  TracksOfKind<LineTrackInMap> lines_;
+  Seen points_seen_;
+  Seen lines_seen_;
+};
 
 }  // namespace maploc
