@@ -1,6 +1,5 @@
 #include "mapstore/descriptors/distance_kernels.h"
 
-#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <span>
@@ -302,52 +301,6 @@ void ComputeDistances(DescriptorMetric metric, int row_bytes, const std::uint8_t
   }
 }
 
-// Smallest of `count` distances. REQUIRES: a positive multiple of the lanes, aligned.
-template <typename D>
-HWY_INLINE std::uint32_t Smallest(D d, const std::uint32_t* distances, int count) {
-  auto smallest = hn::Load(d, distances);
-  for (int i = static_cast<int>(hn::Lanes(d)); i < count; i += static_cast<int>(hn::Lanes(d))) {
-    smallest = hn::Min(smallest, hn::Load(d, distances + i));
-  }
-  return hn::GetLane(hn::MinOfLanes(d, smallest));
-}
-
-// A distance that two landmarks do not exceed: one in the first third of the rows, one in the last.
-// (A landmark's rows stand together, so that it is in both only if it fills the middle third.)
-template <typename D>
-HWY_INLINE std::uint32_t ReachedByTwo(D d, const std::uint32_t* distances,
-                                      const std::int32_t* landmarks, int count) {
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const int third = count / 3 / lanes * lanes;
-  const int last = (count - third) / lanes * lanes;
-  if (third == 0 || landmarks[third - 1] == landmarks[last]) return UINT32_MAX;
-  return std::max(Smallest(d, distances, third), Smallest(d, distances + last, third));
-}
-
-// Few rows pass the bound, which only falls, so that a row is compared with it once more when its
-// turn comes. Where nothing is known yet, most of the first rows would pass and be replaced soon:
-// then the bound begins with what two landmarks reach.
-void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, int count,
-                 Neighbours& nearest) {
-  const hn::CappedTag<std::uint32_t, kChunkRows> d;
-  std::uint32_t reached = UINT32_MAX;
-  if (nearest.best < 0) reached = ReachedByTwo(d, distances, landmarks, count);
-  const std::uint32_t beyond = reached == UINT32_MAX ? reached : reached + 1;
-  auto bound = hn::Set(d, std::min(beyond, nearest.second_distance));
-  for (int first = 0; first < count; first += static_cast<int>(hn::Lanes(d))) {
-    const auto below = hn::Lt(hn::Load(d, distances + first), bound);
-    if (hn::AllFalse(d, below)) continue;
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, below, bytes);
-    for (unsigned bits = bytes[0] | bytes[1] << 8; bits != 0; bits &= bits - 1) {
-      const int row = first + std::countr_zero(bits);
-      if (row >= count) break;
-      if (distances[row] < nearest.second_distance) nearest.Insert(landmarks[row], distances[row]);
-    }
-    bound = hn::Set(d, std::min(beyond, nearest.second_distance));
-  }
-}
-
 const char* KernelTargetName() { return hwy::TargetName(HWY_TARGET); }
 
 }  // namespace HWY_NAMESPACE
@@ -372,7 +325,6 @@ namespace {
 HWY_EXPORT(PackRows);
 HWY_EXPORT(PackQueries);
 HWY_EXPORT(ComputeDistances);
-HWY_EXPORT(KeepNearest);
 HWY_EXPORT(KernelTargetName);
 
 void PackRows(DescriptorMetric metric, const std::uint8_t* rows, int count, int row_bytes,
@@ -392,11 +344,6 @@ void ComputeDistances(DescriptorMetric metric, int row_bytes, const std::uint8_t
   HWY_DYNAMIC_DISPATCH(ComputeDistances)
   (metric, row_bytes, block, block_constants, tile, row_constants, row_count, row_stride,
    distances);
-}
-
-void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, int count,
-                 Neighbours& nearest) {
-  HWY_DYNAMIC_DISPATCH(KeepNearest)(distances, landmarks, count, nearest);
 }
 
 const char* KernelTargetName() { return HWY_DYNAMIC_DISPATCH(KernelTargetName)(); }

@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mapstore/descriptors/neighbours.h"
 #include "mapstore/model/descriptor.h"
 
 namespace maploc::kernels {
@@ -39,11 +38,6 @@ void ComputeDistances(DescriptorMetric metric, int row_bytes, const std::uint8_t
                       const std::int32_t* block_constants, const std::uint8_t* tile,
                       const std::int32_t* row_constants, int row_count, std::size_t row_stride,
                       std::uint32_t* distances);
-
-// Inserts rows [0, count) into `nearest`, those in ascending order that can change it. Reads
-// distances up to the next multiple of kChunkRows; `landmarks` has one of each row.
-void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, int count,
-                 Neighbours& nearest);
 
 // The instruction set that runs, for reports: "AVX3_DL", "AVX2", ...
 const char* KernelTargetName();

@@ -7,6 +7,7 @@
 #include <hwy/aligned_allocator.h>
 
 #include "mapstore/descriptors/distance_kernels.h"
+#include "mapstore/descriptors/keep_nearest.h"
 #include "mapstore/descriptors/pair_distance.h"
 
 namespace maploc {

@@ -107,8 +107,7 @@ std::vector<int> SegmentMaker::Seen::By(const std::vector<int>& frames) const {
                 landmarks.begin() + static_cast<std::ptrdiff_t>(begin[frame + 1]));
   }
   std::ranges::sort(seen);
-  const auto repeated = std::ranges::unique(seen);
-  seen.erase(repeated.begin(), repeated.end());
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
   return seen;
 }
 

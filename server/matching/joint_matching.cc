@@ -68,8 +68,10 @@ std::vector<FeatureMatch> MatchKind(const std::vector<Part>& parts,
   }
   std::ranges::sort(matches, {}, &FeatureMatch::feature);
   // Of a landmark in several parts there are several.
-  const auto repeated = std::ranges::unique(matches, {}, &FeatureMatch::feature);
-  matches.erase(repeated.begin(), repeated.end());
+  const auto end = std::unique(
+      matches.begin(), matches.end(),
+      [](const FeatureMatch& a, const FeatureMatch& b) { return a.feature == b.feature; });
+  matches.erase(end, matches.end());
   return matches;
 }
 

@@ -1,0 +1,81 @@
+#include "mapstore/descriptors/keep_nearest.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "mapstore/descriptors/distance_kernels.h"
+
+#define HWY_WANT_AVX3_DL
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "mapstore/descriptors/keep_nearest.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace maploc::kernels {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Smallest of `count` distances. REQUIRES: a positive multiple of the lanes, aligned.
+template <typename D>
+HWY_INLINE std::uint32_t Smallest(D d, const std::uint32_t* distances, int count) {
+  auto smallest = hn::Load(d, distances);
+  for (int i = static_cast<int>(hn::Lanes(d)); i < count; i += static_cast<int>(hn::Lanes(d))) {
+    smallest = hn::Min(smallest, hn::Load(d, distances + i));
+  }
+  return hn::GetLane(hn::MinOfLanes(d, smallest));
+}
+
+// A distance that two landmarks do not exceed: one in the first third of the rows, one in the last.
+// (A landmark's rows stand together, so that it is in both only if it fills the middle third.)
+template <typename D>
+HWY_INLINE std::uint32_t ReachedByTwo(D d, const std::uint32_t* distances,
+                                      const std::int32_t* landmarks, int count) {
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const int third = count / 3 / lanes * lanes;
+  const int last = (count - third) / lanes * lanes;
+  if (third == 0 || landmarks[third - 1] == landmarks[last]) return UINT32_MAX;
+  return std::max(Smallest(d, distances, third), Smallest(d, distances + last, third));
+}
+
+// Few rows pass the bound, which only falls, so that a row is compared with it once more when its
+// turn comes. Where nothing is known yet, most of the first rows would pass and be replaced soon:
+// then the bound begins with what two landmarks reach.
+void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, int count,
+                 Neighbours& nearest) {
+  const hn::CappedTag<std::uint32_t, kChunkRows> d;
+  std::uint32_t reached = UINT32_MAX;
+  if (nearest.best < 0) reached = ReachedByTwo(d, distances, landmarks, count);
+  const std::uint32_t beyond = reached == UINT32_MAX ? reached : reached + 1;
+  auto bound = hn::Set(d, std::min(beyond, nearest.second_distance));
+  for (int first = 0; first < count; first += static_cast<int>(hn::Lanes(d))) {
+    const auto below = hn::Lt(hn::Load(d, distances + first), bound);
+    if (hn::AllFalse(d, below)) continue;
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(d, below, bytes);
+    for (unsigned bits = bytes[0] | bytes[1] << 8; bits != 0; bits &= bits - 1) {
+      const int row = first + std::countr_zero(bits);
+      if (row >= count) break;
+      if (distances[row] < nearest.second_distance) nearest.Insert(landmarks[row], distances[row]);
+    }
+    bound = hn::Set(d, std::min(beyond, nearest.second_distance));
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace maploc::kernels
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace maploc::kernels {
+
+HWY_EXPORT(KeepNearest);
+
+void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, int count,
+                 Neighbours& nearest) {
+  HWY_DYNAMIC_DISPATCH(KeepNearest)(distances, landmarks, count, nearest);
+}
+
+}  // namespace maploc::kernels
+#endif  // HWY_ONCE
