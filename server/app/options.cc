@@ -40,6 +40,9 @@ void AddOptions(CLI::App& app, ServerOptions& options) {
   app.add_option("--listen", options.listen, "HOST:PORT; port 0 lets the system choose")
       ->check(CheckListen);
   app.add_option("--port-file", options.port_file, "The port in use is written here, atomically");
+  app.add_option("--metrics-listen", options.metrics_listen,
+                 "HOST:PORT of /metrics (Prometheus) and /healthz over HTTP; left out: none")
+      ->check(CheckListen);
   app.add_option("--idle-timeout", options.idle_timeout_s,
                  "Seconds without a query after which a session ends; 0: never")
       ->check(CLI::Range(0.0, 1e9));

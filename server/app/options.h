@@ -14,6 +14,7 @@ struct ServerOptions {
   std::string store;                       // path of the SQLite file; a missing one is created
   std::string listen = "127.0.0.1:50051";  // HOST:PORT; port 0 lets the system choose
   std::string port_file;                   // empty: none
+  std::string metrics_listen;              // HOST:PORT; empty: nobody can watch
   std::string log_level = "info";
   int workers = 0;                 // localizations at the same time; 0: one a core
   int queue = 0;                   // waiting ones; 0: eight a worker

@@ -95,6 +95,7 @@ Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options,
   std::unique_ptr<Server> server(
       new Server(options, std::move(store), std::move(lock), std::move(on_lost)));
   MAPLOC_RETURN_IF_ERROR(server->StartDomain());
+  MAPLOC_RETURN_IF_ERROR(server->ListenForScrapes());
   MAPLOC_RETURN_IF_ERROR(server->Listen());
   if (!options.port_file.empty()) {
     MAPLOC_RETURN_IF_ERROR(WritePortFile(options.port_file, server->port_));
@@ -115,6 +116,7 @@ Status Server::StartDomain() {
   context.store = store_.get();
   context.sessions = sessions_.get();
   context.maps = maps_.get();
+  context.metrics = &metrics_;
   context.localizer = options_.localizer;
   context.store_path = options_.store;
   const int workers = Workers(options_);
@@ -154,6 +156,28 @@ Status Server::Listen() {
   return Status::Ok();
 }
 
+Status Server::ListenForScrapes() {
+  if (options_.metrics_listen.empty()) return Status::Ok();
+  MAPLOC_ASSIGN_OR_RETURN(
+      metrics_listener_,
+      MetricsListener::Start(options_.metrics_listen, {[this] { return metrics_.Text(State()); },
+                                                       [this] { return State().healthy; }}));
+  spdlog::info("metrics on port {}", metrics_listener_->port());
+  return Status::Ok();
+}
+
+ServerState Server::State() {
+  bool serving = false;
+  {
+    const std::lock_guard lock(mutex_);
+    serving = grpc_server_ != nullptr && stage_ == Stage::kServing;
+  }
+  return {.healthy = serving && health_.good(),
+          .open_sessions = sessions_->open_sessions(),
+          .unsaved_observations = sessions_->unsaved_observations(),
+          .localizations = services_->localizations()};
+}
+
 void Server::LoseListener() {
   {
     const std::lock_guard lock(mutex_);
@@ -164,18 +188,18 @@ void Server::LoseListener() {
 
 void Server::TellHealth() {
   const std::lock_guard lock(mutex_);
-  if (grpc_server_ == nullptr || state_ != State::kServing) return;
+  if (grpc_server_ == nullptr || stage_ != Stage::kServing) return;
   grpc_server_->GetHealthCheckService()->SetServingStatus(health_.good());
 }
 
 Status Server::Shutdown() {
   {
     std::unique_lock lock(mutex_);
-    if (state_ != State::kServing) {
-      changed_.wait(lock, [this] { return state_ == State::kStopped; });
+    if (stage_ != Stage::kServing) {
+      changed_.wait(lock, [this] { return stage_ == Stage::kStopped; });
       return stopped_;
     }
-    state_ = State::kStopping;
+    stage_ = Stage::kStopping;
   }
   const auto begin = std::chrono::steady_clock::now();
   if (grpc_server_ != nullptr) {
@@ -192,7 +216,7 @@ Status Server::Shutdown() {
   {
     const std::lock_guard lock(mutex_);
     if (status.ok() && listener_lost_) status = ListenerLost(options_.listen);
-    state_ = State::kStopped;
+    stage_ = Stage::kStopped;
     stopped_ = status;
   }
   changed_.notify_all();
@@ -212,12 +236,12 @@ Status Server::WriteOut() {
 
 bool Server::IsStopped() {
   const std::lock_guard lock(mutex_);
-  return state_ == State::kStopped;
+  return stage_ == Stage::kStopped;
 }
 
 void Server::WaitForShutdown() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return state_ == State::kStopped; });
+  changed_.wait(lock, [this] { return stage_ == Stage::kStopped; });
 }
 
 Server::~Server() {
@@ -225,7 +249,8 @@ Server::~Server() {
   if (const Status status = Shutdown(); !status.ok() && !told) {
     spdlog::error("{}", status.ToString());
   }
-  // In this order: calls first, then what they use.
+  // In this order: who asks first, then what they use.
+  metrics_listener_.reset();
   grpc_server_.reset();
   services_.reset();
   maps_.reset();

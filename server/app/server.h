@@ -20,6 +20,7 @@
 #include "server/app/acceptor.h"
 #include "server/app/connections.h"
 #include "server/app/memory_return.h"
+#include "server/app/metrics_listener.h"
 #include "server/app/options.h"
 #include "server/app/transport_limits.h"
 #include "server/service/services.h"
@@ -50,6 +51,8 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   int port() const { return port_; }
+  // Of --metrics-listen; 0 where that is not given.
+  int metrics_port() const { return metrics_listener_ ? metrics_listener_->port() : 0; }
 
   // Health turns NOT_SERVING, new requests are refused, running ones finish (kDrainTime at most),
   // observations reach the disk. Sessions stay open for the next start. Idempotent; returns the
@@ -64,6 +67,8 @@ class Server {
          std::optional<ServeLock> lock, std::function<void()> on_lost);
   Status StartDomain();
   Status Listen();
+  Status ListenForScrapes();
+  ServerState State();
   // An error where what was learned is not in the file at the store's path.
   Status WriteOut();
   bool IsStopped();
@@ -78,16 +83,18 @@ class Server {
   std::optional<ServeLock> lock_;  // first, so that it is let go last; none: the store is read-only
   std::unique_ptr<MapStore> store_;
   Health health_{[this] { TellHealth(); }};
+  ServerMetrics metrics_;
   std::unique_ptr<SessionManager> sessions_;
   std::unique_ptr<MapCache> maps_;
   std::unique_ptr<Services> services_;
   Connections connections_{MaxConnections()};
   std::unique_ptr<grpc::Server> grpc_server_;
   std::unique_ptr<Acceptor> acceptor_;
+  std::unique_ptr<MetricsListener> metrics_listener_;
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  enum class State { kServing, kStopping, kStopped } state_ = State::kServing;
+  enum class Stage { kServing, kStopping, kStopped } stage_ = Stage::kServing;
   bool listener_lost_ = false;
   Status stopped_;
 };

@@ -51,6 +51,7 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   answer.times.convert_ms = convert_ms;
   answer.times.retrieval_ms += load_ms;
   answer.times.total_ms = MillisecondsSince(start, *context.clock);
+  context.metrics->CountAnswer(answer);
   if (lease) MAPLOC_RETURN_IF_ERROR(lease->Record(Observe(answer, *context.clock)));
   LocalizationToProto(query, answer, request.include_matches(), response);
   return Status::Ok();

@@ -8,6 +8,7 @@
 #include "mapstore/base/clock.h"
 #include "mapstore/store/map_store.h"
 #include "server/pipeline/localizer.h"
+#include "server/service/metrics.h"
 #include "server/sessions/map_cache.h"
 #include "server/sessions/session_manager.h"
 
@@ -18,6 +19,7 @@ struct ServiceContext {
   MapStore* store = nullptr;
   SessionManager* sessions = nullptr;
   MapCache* maps = nullptr;
+  ServerMetrics* metrics = nullptr;
   const Clock* clock = &SystemClock();
   LocalizerOptions localizer;
   std::string store_path;  // what robots are not told

@@ -115,6 +115,8 @@ std::vector<std::string> Services::Names() {
   return {v1::LocalizationService::service_full_name(), v1::MapService::service_full_name()};
 }
 
+std::size_t Services::localizations() { return impl_->localize.jobs(); }
+
 void Services::Register(grpc::ServerBuilder* builder) {
   builder->SetMaxReceiveMessageSize(kMaxMessageBytes);
   builder->RegisterService(&impl_->localization);

@@ -26,6 +26,9 @@ class Services {
   // The services' full names, by which their health is asked for.
   static std::vector<std::string> Names();
 
+  // Localizations that run or wait.
+  std::size_t localizations();
+
   // Registers the services and the size limit of a message.
   void Register(grpc::ServerBuilder* builder);
   // New calls are UNAVAILABLE (SHUTTING_DOWN); waits for the running ones. False when the deadline

@@ -5,6 +5,8 @@
 
 #include <atomic>
 #include <chrono>
+#include <string>
+#include <string_view>
 
 #include <grpcpp/grpcpp.h>
 
@@ -54,6 +56,12 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
         response_(response),
         deadline_(SteadyDeadline(*context)) {}
 
+  // "maploc.v1.LocalizeRequest" -> "Localize".
+  static std::string MethodName() {
+    const std::string name = Request::descriptor()->name();
+    return name.substr(0, name.size() - std::string_view("Request").size());
+  }
+
   static Deadline SteadyDeadline(const grpc::CallbackServerContext& context) {
     const auto left = context.deadline() - std::chrono::system_clock::now();
     return std::chrono::steady_clock::now() +
@@ -95,7 +103,11 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
                : Internal("the answer cannot be written");
   }
 
-  void FinishWith(const Status& status) { Finish(ToGrpc(status, services_.store_path, context_)); }
+  void FinishWith(const Status& status) {
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - arrived_;
+    services_.metrics->CountCall(MethodName(), status.code(), taken.count());
+    Finish(ToGrpc(status, services_.store_path, context_));
+  }
   void OnCancel() override { cancelled_ = true; }
   void OnDone() override { delete this; }
 
@@ -104,6 +116,7 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
   grpc::CallbackServerContext* const context_;
   const grpc::ByteBuffer* const request_;
   grpc::ByteBuffer* const response_;
+  const std::chrono::steady_clock::time_point arrived_ = std::chrono::steady_clock::now();
   const Deadline deadline_;
   std::atomic<bool> cancelled_ = false;
 };

@@ -90,6 +90,11 @@ void WorkerPool::Close() {
   closed_ = true;
 }
 
+std::size_t WorkerPool::jobs() {
+  const std::lock_guard lock(mutex_);
+  return waiting_jobs_ + running_;
+}
+
 bool WorkerPool::WaitUntilIdle(Deadline deadline) {
   std::unique_lock lock(mutex_);
   return idle_.wait_until(lock, deadline, [this] { return waiting_jobs_ == 0 && running_ == 0; });

@@ -39,6 +39,8 @@ class WorkerPool {
   Admission Submit(const std::string& peer, Job job);
   // From now on kClosed.
   void Close();
+  // Jobs that run or wait.
+  std::size_t jobs();
   // Waits until no job runs or waits; false when the deadline came first.
   bool WaitUntilIdle(Deadline deadline);
 

@@ -215,6 +215,11 @@ Status SessionManager::ClosedOrUnknown(const SessionId& id) const {
   return session.status().code() == StatusCode::kNotFound ? SessionNotFound(id) : session.status();
 }
 
+std::size_t SessionManager::unsaved_observations() const {
+  const std::lock_guard lock(mutex_);
+  return unsaved_;
+}
+
 std::size_t SessionManager::open_sessions() const {
   const std::lock_guard lock(mutex_);
   return open_.size();

@@ -114,6 +114,8 @@ class SessionManager {
   Status Shutdown();
 
   std::size_t open_sessions() const;
+  // Observations that are not in the store yet.
+  std::size_t unsaved_observations() const;
 
  private:
   using RequestKey = std::pair<std::string, std::string>;  // robot, request_id

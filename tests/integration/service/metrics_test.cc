@@ -1,0 +1,114 @@
+// What an operator's Prometheus sees of a server.
+#include <map>
+#include <sstream>
+
+#include <civetweb.h>
+#include <gmock/gmock.h>
+
+#include "tests/integration/service/service_fixture.h"
+#include "tests/support/wait_for.h"
+
+namespace maploc::testing {
+namespace {
+
+struct HttpAnswer {
+  int code = 0;
+  std::string body;
+};
+
+class MetricsTest : public ServiceTest {
+ protected:
+  MetricsTest() {
+    options_.metrics_listen = "127.0.0.1:0";
+    RestartServer();
+  }
+
+  HttpAnswer Get(const std::string& path) const {
+    char error[256] = {};
+    mg_connection* connection =
+        mg_download("127.0.0.1", server_->metrics_port(), 0, error, sizeof error,
+                    "GET %s HTTP/1.0\r\nHost: localhost\r\n\r\n", path.c_str());
+    if (connection == nullptr) return {0, error};
+    HttpAnswer answer{mg_get_response_info(connection)->status_code, ""};
+    char buffer[4096];
+    for (int read; (read = mg_read(connection, buffer, sizeof buffer)) > 0;) {
+      answer.body.append(buffer, static_cast<std::size_t>(read));
+    }
+    mg_close_connection(connection);
+    return answer;
+  }
+
+  // The samples by name and labels, as they are written.
+  std::map<std::string, double> Scrape() const {
+    const HttpAnswer answer = Get("/metrics");
+    EXPECT_EQ(answer.code, 200) << answer.body;
+    std::map<std::string, double> samples;
+    std::istringstream lines(answer.body);
+    for (std::string line; std::getline(lines, line);) {
+      const std::size_t space = line.rfind(' ');
+      if (line.empty() || line[0] == '#' || space == std::string::npos) continue;
+      samples[line.substr(0, space)] = std::stod(line.substr(space + 1));
+    }
+    return samples;
+  }
+};
+
+TEST_F(MetricsTest, CountsCallsAndAnswers) {
+  const SessionId session = StartSession();
+  for (const double x : {2.0, 8.0, 14.0}) ASSERT_TRUE(client_->Localize(QueryAt(x, session)).ok());
+  Query elsewhere = QueryAt(8.0);
+  elsewhere.map = "no such map";
+  ASSERT_FALSE(client_->Localize(elsewhere).ok());
+
+  auto samples = Scrape();
+  EXPECT_EQ(samples[R"(maploc_calls_total{code="OK",method="Localize"})"], 3);
+  EXPECT_EQ(samples[R"(maploc_calls_total{code="NOT_FOUND",method="Localize"})"], 1);
+  EXPECT_EQ(samples[R"(maploc_calls_total{code="OK",method="StartSession"})"], 1);
+  EXPECT_EQ(samples[R"(maploc_call_seconds_count{method="Localize"})"], 4);
+  EXPECT_EQ(samples[R"(maploc_answers_total{map="street",outcome="LOCALIZED",strategy="mixed"})"],
+            3);
+  EXPECT_EQ(samples[R"(maploc_stage_seconds_count{stage="matching"})"], 3);
+  EXPECT_EQ(samples[R"(maploc_point_inlier_ratio_count{map="street"})"], 3);
+  EXPECT_EQ(samples["maploc_open_sessions"], 1);
+  EXPECT_EQ(samples["maploc_healthy"], 1);
+  EXPECT_EQ(samples.count(R"(maploc_answers_total{map="no such map"})"), 0u);
+
+  ASSERT_TRUE(client_->EndSession(session).ok());
+  samples = Scrape();
+  EXPECT_EQ(samples["maploc_open_sessions"], 0);
+  EXPECT_EQ(samples["maploc_unsaved_observations"], 0);
+}
+
+TEST_F(MetricsTest, AGravityThatTheMatchesContradictShows) {
+  Query query = QueryAt(8.0);
+  query.gravity = Gravity{Eigen::Vector3d(1, 0, 0), 0.01};  // the camera's right
+  ASSERT_TRUE(client_->Localize(query).ok());
+  EXPECT_EQ(Scrape()[R"(maploc_gravity_rejected_total{map="street"})"], 1);
+}
+
+TEST_F(MetricsTest, HealthIsThatOfTheServer) {
+  EXPECT_EQ(Get("/healthz").code, 200);
+  std::filesystem::remove(folder_.File("store"));  // what it learns from now on would be lost
+  EXPECT_TRUE(WaitFor([&] { return Get("/healthz").code == 503; }));
+  EXPECT_EQ(Scrape()["maploc_healthy"], 0);
+}
+
+TEST_F(MetricsTest, NothingElseIsServed) {
+  for (const char* path : {"/", "/metrics/x", "/../etc/passwd", "/healthzz"}) {
+    EXPECT_EQ(Get(path).code, 404) << path;
+  }
+}
+
+TEST_F(MetricsTest, AnAddressThatIsTakenIsToldAtTheStart) {
+  ServerOptions second;
+  second.store = folder_.File("other");
+  second.listen = "127.0.0.1:0";
+  second.metrics_listen = "127.0.0.1:" + std::to_string(server_->metrics_port());
+  const auto started = Server::Start(second);
+  ASSERT_FALSE(started.ok());
+  EXPECT_EQ(started.status().reason(), "CANNOT_LISTEN");
+  EXPECT_THAT(started.status().message(), ::testing::HasSubstr(second.metrics_listen));
+}
+
+}  // namespace
+}  // namespace maploc::testing
