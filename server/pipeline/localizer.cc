@@ -38,6 +38,12 @@ Ranking Rank(const QueryContext& context, const std::optional<PosePrior>& prior,
   return RankSegments(context.view().points, prior, *context.map.places, options);
 }
 
+// A segment that is not in memory is loaded, which counts as retrieval.
+Result<MapSnapshot::Entry> Load(const QueryContext& context, int segment, StageTimes& times) {
+  const Stopwatch watch(times.retrieval_ms);
+  return context.map.Load(segment, context.interrupt);
+}
+
 MatchedProblem Match(const QueryContext& context, const Segment& segment, StageTimes& times) {
   const Stopwatch watch(times.matching_ms);
   return MakeProblem(context, segment, MatchSegment(context.view(), segment));
@@ -135,9 +141,12 @@ Result<Localization> TrySegment(const QueryContext& context, const MapSnapshot::
 Result<Localization> TryJointly(const QueryContext& context, const std::vector<int>& ranked,
                                 Progress& progress, StageTimes& times) {
   std::vector<std::shared_ptr<const Segment>> parts;
-  for (const int index : ranked) parts.push_back(context.map.segments[index].segment);
+  for (const int index : ranked) {
+    MAPLOC_ASSIGN_OR_RETURN(MapSnapshot::Entry part, Load(context, index, times));
+    parts.push_back(std::move(part.segment));
+  }
   const auto joint = std::make_shared<const Segment>(JoinSegments(parts));
-  const MapSnapshot::Entry entry{joint, context.map.segments[ranked.front()].decision};
+  const MapSnapshot::Entry entry{joint, context.map.decisions[ranked.front()]};
   MAPLOC_ASSIGN_OR_RETURN(
       Localization answer,
       TrySegment(context, entry, AgainstGravity::kIfNotLocalized, progress, times));
@@ -152,8 +161,9 @@ Result<Localization> TryBeyondFirst(const QueryContext& context, const std::vect
   MAPLOC_ASSIGN_OR_RETURN(Localization answer, TryJointly(context, ranked, progress, times));
   for (std::size_t i = 1; i < ranked.size() && answer.outcome != Outcome::kLocalized; ++i) {
     MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
-    MAPLOC_ASSIGN_OR_RETURN(answer, TrySegment(context, context.map.segments[ranked[i]],
-                                               AgainstGravity::kNever, progress, times));
+    MAPLOC_ASSIGN_OR_RETURN(const MapSnapshot::Entry entry, Load(context, ranked[i], times));
+    MAPLOC_ASSIGN_OR_RETURN(answer,
+                            TrySegment(context, entry, AgainstGravity::kNever, progress, times));
   }
   return answer;
 }
@@ -164,7 +174,7 @@ Result<Localization> TryBeyondFirst(const QueryContext& context, const std::vect
 // query counts in exactly one segment.
 Result<Localization> TrySegments(const QueryContext& context, const std::vector<int>& ranked,
                                  Progress& progress, StageTimes& times) {
-  const MapSnapshot::Entry& best = context.map.segments[ranked.front()];
+  MAPLOC_ASSIGN_OR_RETURN(const MapSnapshot::Entry best, Load(context, ranked.front(), times));
   MAPLOC_ASSIGN_OR_RETURN(std::optional<Localization> quick,
                           TryCoarseToFine(context, best, progress.iterations, times));
   if (quick) quick = Weigh(*std::move(quick), progress);
@@ -202,6 +212,12 @@ bool AreSamePose(const Localization& a, const Localization& b) {
              kSameSigmas * kSameSigmas * variance;
 }
 
+Result<Localization> TryTwin(const QueryContext& context, int twin, Progress& progress,
+                             StageTimes& times) {
+  MAPLOC_ASSIGN_OR_RETURN(const MapSnapshot::Entry entry, Load(context, twin, times));
+  return TrySegment(context, entry, AgainstGravity::kIfInconsistent, progress, times);
+}
+
 // Whoever stands in one of two equal rooms must not be told the other: where a segment looks the
 // same as the answer's, it is tried too. The one with clearly more inliers is right; else nobody
 // can tell.
@@ -209,8 +225,7 @@ Result<Localization> UnlessTwin(const QueryContext& context, const Ranking& rank
                                 Localization answer, Progress& progress, StageTimes& times) {
   if (answer.outcome != Outcome::kLocalized) return answer;
   for (const int twin : ranking.TwinsOf(answer.segment, *context.map.places)) {
-    Result<Localization> other = TrySegment(context, context.map.segments[twin],
-                                            AgainstGravity::kIfInconsistent, progress, times);
+    Result<Localization> other = TryTwin(context, twin, progress, times);
     if (!other.ok() && !IsOutOfTime(other.status())) return other.status();
     // What could not be compared in time is not told.
     if (!other.ok()) return Withheld(std::move(answer), Outcome::kLowConfidence);

@@ -7,6 +7,7 @@
 
 #include "server/pipeline/localizer.h"
 #include "tests/support/drawn_world.h"
+#include "tests/support/resident_map.h"
 #include "tests/support/seed.h"
 
 namespace maploc {
@@ -135,7 +136,7 @@ std::shared_ptr<const Segment> Renamed(const Segment& segment, SegmentId id) {
 
 Localization Answer(const Query& query, const DrawnWorld& world,
                     const std::vector<MapSnapshot::Entry>& entries) {
-  const auto map = BuildMapSnapshot(world.info(), entries);
+  const auto map = testing::ResidentMap(world.info(), entries);
   return Localize(query, **map, {}, kNoDeadline, nullptr).value();
 }
 
