@@ -47,6 +47,11 @@ void AddOptions(CLI::App& app, ServerOptions& options) {
       ->check(CLI::Range(0, 1024));
   app.add_option("--queue", options.queue, "Localizations that may wait; 0: eight a worker")
       ->check(CLI::Range(0, 100000));
+  app.add_option(
+         "--cache-bytes", options.cache_bytes,
+         "Memory for segments that are loaded (512MiB, 8GB, bytes); the index of places comes "
+         "on top; 0: half of what machine and control group allow")
+      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/true));
   app.add_option("--max-segments", options.localizer.max_segments_tried,
                  "Segments that are tried for a query, best ranked first")
       ->check(CLI::Range(1, 10000));
