@@ -3,6 +3,7 @@
 #include <array>
 #include <initializer_list>
 #include <string>
+#include <utility>
 
 #include "mapstore/base/random.h"
 #include "mapstore/store/little_endian.h"
@@ -91,15 +92,15 @@ Result<std::vector<ViewingRange>> DecodeViewing(const FeatureBlobs& blobs, std::
   return viewing;
 }
 
-Result<Descriptors> DecodeDescriptors(const Blob& rows, std::int64_t count,
-                                      const DescriptorKind& kind, std::string_view field) {
+Result<Descriptors> DecodeDescriptors(Blob rows, std::int64_t count, const DescriptorKind& kind,
+                                      std::string_view field) {
   if (kind.bytes > 0) {
     MAPLOC_RETURN_IF_ERROR(
         CheckLength(field, rows.size(), count, static_cast<std::size_t>(kind.bytes)));
   } else if (!rows.empty() || count != 0) {
     return Damaged(field, "the map has no descriptors of this kind");
   }
-  return Descriptors{kind, rows};
+  return Descriptors{kind, std::move(rows)};
 }
 
 template <typename Blobs>
@@ -212,7 +213,7 @@ PlaceBlobs EncodePlace(const SegmentPlace& place) {
   return blobs;
 }
 
-Result<SegmentPlace> DecodePlace(const PlaceBlobs& blobs, const DescriptorKind& kind) {
+Result<SegmentPlace> DecodePlace(PlaceBlobs blobs, const DescriptorKind& kind) {
   SegmentPlace place;
   place.reach = blobs.reach;
   MAPLOC_ASSIGN_OR_RETURN(place.ids, Decode<LandmarkId>(blobs.ids, blobs.count, "place.ids"));
@@ -221,9 +222,10 @@ Result<SegmentPlace> DecodePlace(const PlaceBlobs& blobs, const DescriptorKind& 
   MAPLOC_ASSIGN_OR_RETURN(
       place.descriptor_landmark,
       Decode<std::int32_t>(blobs.owners, blobs.row_count, "place.descriptor_landmark"));
-  MAPLOC_ASSIGN_OR_RETURN(place.descriptors, DecodeDescriptors(blobs.descriptors, blobs.row_count,
-                                                               kind, "place.descriptors"));
   MAPLOC_RETURN_IF_ERROR(CheckChecksum(blobs, "place"));
+  MAPLOC_ASSIGN_OR_RETURN(
+      place.descriptors,
+      DecodeDescriptors(std::move(blobs.descriptors), blobs.row_count, kind, "place.descriptors"));
   if (const Status valid = ValidatePlace(kind, place); !valid.ok()) {
     return Status(StatusCode::kDataLoss, "DAMAGED_SEGMENT", valid.message());
   }

@@ -57,7 +57,7 @@ Result<LineLandmarks> DecodeLines(const FeatureBlobs& blobs, const DescriptorKin
 
 PlaceBlobs EncodePlace(const SegmentPlace& place);
 // Without id and path. DATA_LOSS (DAMAGED_SEGMENT) names the blob.
-Result<SegmentPlace> DecodePlace(const PlaceBlobs& blobs, const DescriptorKind& kind);
+Result<SegmentPlace> DecodePlace(PlaceBlobs blobs, const DescriptorKind& kind);
 
 // float64 x, y, z a position.
 Blob EncodePositions(std::span<const Eigen::Vector3d> positions);

@@ -15,6 +15,14 @@ struct Holding {
   auto Key() const { return std::tie(id, segment); }
 };
 
+// Of all segments' rows: those of shared landmarks are more than are taken, but only what is
+// written takes memory.
+std::size_t BytesAtMost(std::span<const SegmentPlace> segments) {
+  std::size_t bytes = 0;
+  for (const SegmentPlace& segment : segments) bytes += segment.descriptors.bytes.size();
+  return bytes;
+}
+
 std::vector<Holding> SortedHoldings(std::span<const SegmentPlace> segments) {
   std::vector<Holding> holdings;
   for (std::size_t s = 0; s < segments.size(); ++s) {
@@ -33,6 +41,7 @@ std::vector<Holding> SortedHoldings(std::span<const SegmentPlace> segments) {
 PlaceIndex PlaceIndex::Build(std::span<const SegmentPlace> segments) {
   PlaceIndex index;
   index.segment_rows_.resize(segments.size());
+  index.descriptors_.bytes.reserve(BytesAtMost(segments));  // to grow would copy them twice
   const std::vector<Holding> holdings = SortedHoldings(segments);
   for (std::size_t i = 0; i < holdings.size();) {
     const Holding* richest = nullptr;
