@@ -1,7 +1,9 @@
 #include "mapstore/store/codec.h"
 
 #include <array>
+#include <initializer_list>
 #include <string>
+#include <utility>
 
 #include "mapstore/base/random.h"
 #include "mapstore/store/little_endian.h"
@@ -45,6 +47,14 @@ Eigen::Vector3d ReadVector(const std::uint8_t* bytes) {
           ReadLittleEndian<double>(bytes + 16)};
 }
 
+std::uint64_t Hash(std::initializer_list<const Blob*> blobs) {
+  std::uint64_t hash = HashBytes({});
+  for (const Blob* blob : blobs) {
+    hash = HashBytes({reinterpret_cast<const char*>(blob->data()), blob->size()}, hash);
+  }
+  return hash;
+}
+
 // Before anything is allocated: the bytes are there.
 Status CheckLength(std::string_view field, std::size_t bytes, std::int64_t count,
                    std::size_t width) {
@@ -82,18 +92,19 @@ Result<std::vector<ViewingRange>> DecodeViewing(const FeatureBlobs& blobs, std::
   return viewing;
 }
 
-Result<Descriptors> DecodeDescriptors(const FeatureBlobs& blobs, const DescriptorKind& kind,
+Result<Descriptors> DecodeDescriptors(Blob rows, std::int64_t count, const DescriptorKind& kind,
                                       std::string_view field) {
   if (kind.bytes > 0) {
-    MAPLOC_RETURN_IF_ERROR(CheckLength(field, blobs.descriptors.size(), blobs.descriptor_count,
-                                       static_cast<std::size_t>(kind.bytes)));
-  } else if (!blobs.descriptors.empty() || blobs.descriptor_count != 0) {
+    MAPLOC_RETURN_IF_ERROR(
+        CheckLength(field, rows.size(), count, static_cast<std::size_t>(kind.bytes)));
+  } else if (!rows.empty() || count != 0) {
     return Damaged(field, "the map has no descriptors of this kind");
   }
-  return Descriptors{kind, blobs.descriptors};
+  return Descriptors{kind, std::move(rows)};
 }
 
-Status CheckChecksum(const FeatureBlobs& blobs, std::string_view field) {
+template <typename Blobs>
+Status CheckChecksum(const Blobs& blobs, std::string_view field) {
   if (ChecksumOf(blobs) == blobs.checksum) return Status::Ok();
   return Damaged(field, "the checksum does not fit the content");
 }
@@ -119,8 +130,9 @@ Status DecodeRest(const FeatureBlobs& blobs, const DescriptorKind& kind, const s
   MAPLOC_ASSIGN_OR_RETURN(
       landmarks.descriptor_landmark,
       Decode<std::int32_t>(blobs.owners, blobs.descriptor_count, what + ".descriptor_landmark"));
-  MAPLOC_ASSIGN_OR_RETURN(landmarks.descriptors,
-                          DecodeDescriptors(blobs, kind, what + ".descriptors"));
+  MAPLOC_ASSIGN_OR_RETURN(
+      landmarks.descriptors,
+      DecodeDescriptors(blobs.descriptors, blobs.descriptor_count, kind, what + ".descriptors"));
   MAPLOC_ASSIGN_OR_RETURN(landmarks.viewing, DecodeViewing(blobs, what + ".viewing"));
   return CheckChecksum(blobs, what);
 }
@@ -128,12 +140,13 @@ Status DecodeRest(const FeatureBlobs& blobs, const DescriptorKind& kind, const s
 }  // namespace
 
 std::uint64_t ChecksumOf(const FeatureBlobs& blobs) {
-  std::uint64_t hash = HashBytes({});
-  for (const Blob* blob :
-       {&blobs.ids, &blobs.geometry, &blobs.owners, &blobs.descriptors, &blobs.viewing}) {
-    hash = HashBytes({reinterpret_cast<const char*>(blob->data()), blob->size()}, hash);
-  }
-  return hash;
+  return Hash({&blobs.ids, &blobs.geometry, &blobs.owners, &blobs.descriptors, &blobs.viewing});
+}
+
+std::uint64_t ChecksumOf(const PlaceBlobs& blobs) {
+  Blob reach;
+  AppendLittleEndian(blobs.reach, reach);
+  return Hash({&blobs.ids, &blobs.row_counts, &blobs.owners, &blobs.descriptors, &reach});
 }
 
 Blob EncodePositions(std::span<const Eigen::Vector3d> positions) {
@@ -185,6 +198,38 @@ Result<LineLandmarks> DecodeLines(const FeatureBlobs& blobs, const DescriptorKin
   }
   MAPLOC_RETURN_IF_ERROR(DecodeRest(blobs, kind, "lines", lines));
   return lines;
+}
+
+PlaceBlobs EncodePlace(const SegmentPlace& place) {
+  PlaceBlobs blobs;
+  blobs.count = static_cast<std::int64_t>(place.ids.size());
+  blobs.row_count = static_cast<std::int64_t>(place.descriptor_landmark.size());
+  blobs.reach = place.reach;
+  blobs.ids = Encode<LandmarkId>(place.ids);
+  blobs.row_counts = Encode<std::int32_t>(place.row_counts);
+  blobs.owners = Encode<std::int32_t>(place.descriptor_landmark);
+  blobs.descriptors = place.descriptors.bytes;
+  blobs.checksum = ChecksumOf(blobs);
+  return blobs;
+}
+
+Result<SegmentPlace> DecodePlace(PlaceBlobs blobs, const DescriptorKind& kind) {
+  SegmentPlace place;
+  place.reach = blobs.reach;
+  MAPLOC_ASSIGN_OR_RETURN(place.ids, Decode<LandmarkId>(blobs.ids, blobs.count, "place.ids"));
+  MAPLOC_ASSIGN_OR_RETURN(place.row_counts,
+                          Decode<std::int32_t>(blobs.row_counts, blobs.count, "place.row_counts"));
+  MAPLOC_ASSIGN_OR_RETURN(
+      place.descriptor_landmark,
+      Decode<std::int32_t>(blobs.owners, blobs.row_count, "place.descriptor_landmark"));
+  MAPLOC_RETURN_IF_ERROR(CheckChecksum(blobs, "place"));
+  MAPLOC_ASSIGN_OR_RETURN(
+      place.descriptors,
+      DecodeDescriptors(std::move(blobs.descriptors), blobs.row_count, kind, "place.descriptors"));
+  if (const Status valid = ValidatePlace(kind, place); !valid.ok()) {
+    return Status(StatusCode::kDataLoss, "DAMAGED_SEGMENT", valid.message());
+  }
+  return place;
 }
 
 }  // namespace maploc

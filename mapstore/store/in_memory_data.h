@@ -62,6 +62,7 @@ class InMemoryStore : public MapStore {
   Result<SegmentSummary> GetSegment(const MapKey& key, SegmentId id) const override;
   Result<std::shared_ptr<const Segment>> LoadSegment(const MapKey& key,
                                                      SegmentId id) const override;
+  Result<std::vector<SegmentPlace>> LoadPlaces(const MapKey& key) const override;
   Result<std::unique_ptr<MapWriter>> BeginImport(const MapInfo& info) override;
   Status SweepAbandonedImports() override { return Status::Ok(); }
   Status StartSession(const Session& session) override;

@@ -207,6 +207,14 @@ Result<std::shared_ptr<const Segment>> InMemoryStore::LoadSegment(const MapKey& 
   return segment->segment;
 }
 
+Result<std::vector<SegmentPlace>> InMemoryStore::LoadPlaces(const MapKey& key) const {
+  const std::lock_guard lock(mutex_);
+  MAPLOC_ASSIGN_OR_RETURN(const InMemoryMap* map, FindMap(key));
+  std::vector<SegmentPlace> places;
+  for (const InMemorySegment& stored : map->segments) places.push_back(PlaceOf(*stored.segment));
+  return places;
+}
+
 Result<std::unique_ptr<MapWriter>> InMemoryStore::BeginImport(const MapInfo& info) {
   MAPLOC_RETURN_IF_ERROR(ValidateMapInfo(info));
   const std::lock_guard lock(mutex_);

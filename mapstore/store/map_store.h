@@ -15,6 +15,7 @@
 
 #include "mapstore/base/ids.h"
 #include "mapstore/base/status.h"
+#include "mapstore/descriptors/segment_place.h"
 #include "mapstore/model/map.h"
 #include "mapstore/model/session.h"
 #include "mapstore/statistics/selector.h"
@@ -110,6 +111,9 @@ class MapStore {
   // The landmarks. DATA_LOSS where a blob's length does not fit its count.
   virtual Result<std::shared_ptr<const Segment>> LoadSegment(const MapKey& key,
                                                              SegmentId id) const = 0;
+  // What place recognition needs of each segment, by id; written with it, and read without its
+  // landmarks. DATA_LOSS as above.
+  virtual Result<std::vector<SegmentPlace>> LoadPlaces(const MapKey& key) const = 0;
 
   // Starts an import of a new version of info.key.name (info.key.version is ignored).
   virtual Result<std::unique_ptr<MapWriter>> BeginImport(const MapInfo& info) = 0;

@@ -324,8 +324,27 @@ ALTER TABLE map_versions ADD COLUMN deleted INTEGER NOT NULL DEFAULT 0 CHECK (de
 UPDATE map_versions SET enabled_order = version WHERE state = 1;
 )sql";
 
-constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4,
-                                    kVersion5, kVersion6, kVersion7, kVersion8};
+// A map opens without its landmarks: what place recognition needs of each segment stands beside
+// it. (WriteMissingPlaces writes it for the segments that are there.)
+constexpr std::string_view kVersion9 = R"sql(
+CREATE TABLE segment_places (
+  map INTEGER NOT NULL,
+  segment INTEGER NOT NULL,
+  landmark_count INTEGER NOT NULL CHECK (landmark_count >= 0),
+  row_count INTEGER NOT NULL CHECK (row_count >= 0),
+  reach REAL NOT NULL,
+  checksum INTEGER NOT NULL,
+  ids BLOB NOT NULL,
+  row_counts BLOB NOT NULL,
+  owners BLOB NOT NULL,
+  descriptors BLOB NOT NULL,
+  PRIMARY KEY (map, segment),
+  FOREIGN KEY (map, segment) REFERENCES segments (map, segment)
+) STRICT;
+)sql";
+
+constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4, kVersion5,
+                                    kVersion6, kVersion7, kVersion8, kVersion9};
 
 }  // namespace
 

@@ -14,6 +14,7 @@
 #include "mapstore/store/sqlite_bytes.h"
 #include "mapstore/store/sqlite_log.h"
 #include "mapstore/store/sqlite_migration.h"
+#include "mapstore/store/sqlite_places.h"
 #include "mapstore/store/sqlite_stamp.h"
 #include "mapstore/store/sqlite_states.h"
 #include "mapstore/store/sqlite_store.h"
@@ -98,6 +99,7 @@ Status Migrate(SqliteDatabase& database) {
         database.Execute(std::string(StoreMigrations()[static_cast<std::size_t>(i)])));
   }
   MAPLOC_RETURN_IF_ERROR(DeriveAllAnew(database));
+  MAPLOC_RETURN_IF_ERROR(WriteMissingPlaces(database));
   MAPLOC_RETURN_IF_ERROR(
       database.Execute("PRAGMA application_id = " + std::to_string(kStoreApplicationId)));
   MAPLOC_RETURN_IF_ERROR(

@@ -7,6 +7,7 @@
 #include "mapstore/store/import_lock.h"
 #include "mapstore/store/sqlite_inheritance.h"
 #include "mapstore/store/sqlite_maps.h"
+#include "mapstore/store/sqlite_places.h"
 #include "mapstore/store/sqlite_states.h"
 #include "mapstore/store/sqlite_versions.h"
 #include "mapstore/store/validation.h"
@@ -104,6 +105,7 @@ Status DeleteImport(SqliteConnections& connections, std::int64_t map, ImportOwne
     for (const char* sql : {"DELETE FROM segment_states WHERE map = ?1 AND segment = ?2",
                             "DELETE FROM inheritance WHERE map = ?1 AND segment = ?2",
                             "DELETE FROM segment_features WHERE map = ?1 AND segment = ?2",
+                            "DELETE FROM segment_places WHERE map = ?1 AND segment = ?2",
                             "DELETE FROM segments WHERE map = ?1 AND segment = ?2"}) {
       SqliteStatement remove(writer.database(), sql);
       MAPLOC_RETURN_IF_ERROR(remove.Bind(map, segment).Run());
@@ -168,11 +170,13 @@ class SqliteMapWriter : public MapWriter {
     MAPLOC_RETURN_IF_ERROR(ValidateNextSegment(info_, segment, next_));
     const FeatureBlobs points = EncodePoints(segment.points);
     const FeatureBlobs lines = EncodeLines(segment.lines);
+    const SegmentPlace place = PlaceOf(segment);
     MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_.Write());
     SqliteDatabase& database = writer.database();
     MAPLOC_RETURN_IF_ERROR(InsertSegment(database, row_id_, segment));
     MAPLOC_RETURN_IF_ERROR(InsertFeatures(database, row_id_, segment.id, kPointsType, points));
     MAPLOC_RETURN_IF_ERROR(InsertFeatures(database, row_id_, segment.id, kLinesType, lines));
+    MAPLOC_RETURN_IF_ERROR(InsertPlace(database, row_id_, place));
     MAPLOC_RETURN_IF_ERROR(writer.Commit());
     counter_.Add(segment);
     places_.push_back(WithoutDescriptors(segment));

@@ -156,10 +156,14 @@ Status RequireSegment(SqliteDatabase& database, const StoredMap& map, SegmentId 
   return found ? Status::Ok() : UnknownSegment(map.key(), id);
 }
 
+std::string WhereIs(const SqliteDatabase& database, const StoredMap& map, SegmentId id) {
+  return database.path() + ": map '" + map.key().name + "' version " +
+         std::to_string(map.key().version) + " segment " + std::to_string(id);
+}
+
 Result<std::shared_ptr<const Segment>> ReadSegment(SqliteDatabase& database, const StoredMap& map,
                                                    SegmentId id) {
-  const std::string where = database.path() + ": map '" + map.key().name + "' version " +
-                            std::to_string(map.key().version) + " segment " + std::to_string(id);
+  const std::string where = WhereIs(database, map, id);
   Result<SegmentSummary> counts = ReadSegmentCounts(database, map, id);
   if (!counts.ok()) {
     const bool damaged = counts.status().code() == StatusCode::kDataLoss;

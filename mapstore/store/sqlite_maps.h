@@ -30,6 +30,8 @@ Result<SegmentSummary> ReadSegmentCounts(SqliteDatabase& database, const StoredM
                                          SegmentId id);
 // NOT_FOUND unless the segment is there.
 Status RequireSegment(SqliteDatabase& database, const StoredMap& map, SegmentId id);
+// For messages: file, map, version and segment.
+std::string WhereIs(const SqliteDatabase& database, const StoredMap& map, SegmentId id);
 // The landmarks, every invariant checked.
 Result<std::shared_ptr<const Segment>> ReadSegment(SqliteDatabase& database, const StoredMap& map,
                                                    SegmentId id);

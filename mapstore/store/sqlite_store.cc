@@ -4,6 +4,7 @@
 #include "mapstore/store/sqlite_import.h"
 #include "mapstore/store/sqlite_learning.h"
 #include "mapstore/store/sqlite_maps.h"
+#include "mapstore/store/sqlite_places.h"
 #include "mapstore/store/sqlite_sessions.h"
 #include "mapstore/store/sqlite_states.h"
 #include "mapstore/store/sqlite_verify.h"
@@ -31,6 +32,7 @@ class SqliteStore : public MapStore {
   Result<SegmentSummary> GetSegment(const MapKey& key, SegmentId id) const override;
   Result<std::shared_ptr<const Segment>> LoadSegment(const MapKey& key,
                                                      SegmentId id) const override;
+  Result<std::vector<SegmentPlace>> LoadPlaces(const MapKey& key) const override;
   Result<std::unique_ptr<MapWriter>> BeginImport(const MapInfo& info) override;
   Status SweepAbandonedImports() override;
   Status StartSession(const Session& session) override;
@@ -144,6 +146,12 @@ Result<std::shared_ptr<const Segment>> SqliteStore::LoadSegment(const MapKey& ke
   MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
   MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(reader.database(), key));
   return ReadSegment(reader.database(), map, id);
+}
+
+Result<std::vector<SegmentPlace>> SqliteStore::LoadPlaces(const MapKey& key) const {
+  MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
+  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(reader.database(), key));
+  return ReadPlaces(reader.database(), map);
 }
 
 Result<std::unique_ptr<MapWriter>> SqliteStore::BeginImport(const MapInfo& info) {

@@ -1,9 +1,11 @@
 #include "mapstore/store/sqlite_verify.h"
 
+#include "mapstore/store/codec.h"
 #include "mapstore/store/derivation.h"
 #include "mapstore/store/sqlite_folds.h"
 #include "mapstore/store/sqlite_inheritance.h"
 #include "mapstore/store/sqlite_maps.h"
+#include "mapstore/store/sqlite_places.h"
 #include "mapstore/store/sqlite_sessions.h"
 #include "mapstore/store/sqlite_states.h"
 
@@ -80,6 +82,13 @@ Status CheckState(SqliteDatabase& database, const StoredMap& map, SegmentId id) 
   return CheckCheckpoints(database, map, id, truth.options);
 }
 
+// What is kept for place recognition is what the segment says, to the bit.
+Status CheckPlace(SqliteDatabase& database, const StoredMap& map, const Segment& segment) {
+  MAPLOC_ASSIGN_OR_RETURN(const SegmentPlace kept, ReadPlace(database, map, segment.id));
+  if (EncodePlace(kept).checksum == EncodePlace(PlaceOf(segment)).checksum) return Status::Ok();
+  return Broken(database, NameOf(map, segment.id) + ": its place differs from its landmarks");
+}
+
 Status CheckSegment(SqliteDatabase& database, const StoredMap& map, SegmentId id,
                     LandmarkCounter& counter) {
   MAPLOC_ASSIGN_OR_RETURN(const auto segment, ReadSegment(database, map, id));
@@ -87,6 +96,7 @@ Status CheckSegment(SqliteDatabase& database, const StoredMap& map, SegmentId id
   if (counts.usable_lines != CountUsableLines(segment->lines)) {
     return Broken(database, NameOf(map, id) + ": its count of usable lines is wrong");
   }
+  MAPLOC_RETURN_IF_ERROR(CheckPlace(database, map, *segment));
   counter.Add(*segment);
   return CheckState(database, map, id);
 }

@@ -42,6 +42,7 @@ Result<bool> DeleteOneSegment(SqliteConnections& connections) {
   const std::int64_t segment = find.Int("segment");
   for (const char* sql :
        {"DELETE FROM segment_features WHERE map = ?1 AND segment = ?2",
+        "DELETE FROM segment_places WHERE map = ?1 AND segment = ?2",
         "DELETE FROM segment_folds WHERE map = ?1 AND segment = ?2",
         "DELETE FROM segment_states WHERE map = ?1 AND segment = ?2",
         "UPDATE segments SET path_count = 0, path = x'' WHERE map = ?1 AND segment = ?2"}) {

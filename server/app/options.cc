@@ -34,6 +34,12 @@ std::string CheckListen(const std::string& listen) {
   return "";
 }
 
+// What AsSizeValue made of a size: one below 0 or beyond 64 bits has become their largest number.
+std::string CheckBytes(const std::string& bytes) {
+  constexpr std::size_t kMaxDigits = 18;
+  return bytes.size() <= kMaxDigits ? "" : "must be a size from 0 to 10^18 bytes";
+}
+
 void AddOptions(CLI::App& app, ServerOptions& options) {
   app.add_option("--store", options.store, "The store's file (SQLite); made where it is missing")
       ->required();
@@ -50,6 +56,12 @@ void AddOptions(CLI::App& app, ServerOptions& options) {
       ->check(CLI::Range(0, 1024));
   app.add_option("--queue", options.queue, "Localizations that may wait; 0: eight a worker")
       ->check(CLI::Range(0, 100000));
+  app.add_option(
+         "--cache-bytes", options.cache_bytes,
+         "Memory for segments that are loaded (512MiB, 8GB, bytes); the index of places comes "
+         "on top; 0: half of what machine and control group allow")
+      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/true))
+      ->check(CheckBytes);
   app.add_option("--max-segments", options.localizer.max_segments_tried,
                  "Segments that are tried for a query, best ranked first")
       ->check(CLI::Range(1, 10000));

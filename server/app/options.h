@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -19,6 +20,7 @@ struct ServerOptions {
   int workers = 0;                 // localizations at the same time; 0: one a core
   int queue = 0;                   // waiting ones; 0: eight a worker
   double idle_timeout_s = 1800.0;  // 0: never
+  std::int64_t cache_bytes = 0;    // of segments in memory; 0: half of MemoryLimit()
   LocalizerOptions localizer;
 };
 

@@ -12,6 +12,7 @@
 #include "mapstore/store/sqlite_store.h"
 #include "server/app/call_rate.h"
 #include "server/app/listening_sockets.h"
+#include "server/app/memory_limit.h"
 #include "server/app/port_file.h"
 
 namespace maploc {
@@ -24,6 +25,10 @@ constexpr std::chrono::milliseconds kTimeOfWatchers{200};
 int Workers(const ServerOptions& options) {
   if (options.workers > 0) return options.workers;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+std::int64_t CacheBytes(const ServerOptions& options) {
+  return options.cache_bytes > 0 ? options.cache_bytes : MemoryLimit() / 2;
 }
 
 Result<std::unique_ptr<MapStore>> OpenStore(const std::string& path) {
@@ -110,6 +115,7 @@ Status Server::StartDomain() {
   sessions.health = &health_;
   MAPLOC_ASSIGN_OR_RETURN(sessions_, SessionManager::Create(store_.get(), sessions));
   MapCacheOptions maps;
+  maps.segment_bytes = CacheBytes(options_);
   maps.health = &health_;
   maps_ = std::make_unique<MapCache>(store_.get(), maps);
   ServiceContext context;

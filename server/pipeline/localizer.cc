@@ -1,7 +1,6 @@
 #include "server/pipeline/localizer.h"
 
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -17,6 +16,7 @@
 #include "server/pipeline/joint_segment.h"
 #include "server/pipeline/query_check.h"
 #include "server/pipeline/stopwatch.h"
+#include "server/pipeline/tried_segments.h"
 #include "server/pipeline/twins.h"
 #include "server/retrieval/ranking.h"
 #include "server/trust/rival.h"
@@ -55,20 +55,12 @@ bool IsTried(AgainstGravity when, Outcome outcome) {
 
 // What the segments of a query that were tried so far leave to the next.
 struct Progress {
-  int iterations = 0;
-  int contradicting_inliers = 0;          // most inliers of a pose that contradicts the calibration
-  std::map<int, SegmentSearch> searches;  // by segment: each is searched once
-};
+  explicit Progress(const QueryContext& context) : segments(context) {}
 
-const SegmentSearch& SearchOnce(const QueryContext& context, int segment, Progress& progress,
-                                StageTimes& times) {
-  const auto [found, is_new] = progress.searches.try_emplace(segment);
-  if (is_new) {
-    const Stopwatch watch(times.matching_ms);
-    found->second = SearchSegment(context.view(), *context.map.segments[segment].segment);
-  }
-  return found->second;
-}
+  int iterations = 0;
+  int contradicting_inliers = 0;  // most inliers of a pose that contradicts the calibration
+  TriedSegments segments;
+};
 
 int InlierCount(const Evidence& evidence) {
   return evidence.points.inliers + evidence.usable_lines.inliers + evidence.vertical_lines.inliers;
@@ -142,9 +134,10 @@ Result<Localization> TryMatched(const QueryContext& context, const MapSnapshot::
 Result<Localization> TrySegment(const QueryContext& context, int segment,
                                 AgainstGravity against_gravity, Progress& progress,
                                 StageTimes& times) {
-  const SegmentSearch& search = SearchOnce(context, segment, progress, times);
-  return TryMatched(context, context.map.segments[segment], search.matches, against_gravity,
-                    progress, times);
+  MAPLOC_ASSIGN_OR_RETURN(const TriedSegments::Tried* const tried,
+                          progress.segments.Search(segment, times));
+  return TryMatched(context, tried->entry, tried->search->matches, against_gravity, progress,
+                    times);
 }
 
 // All ranked segments as one, where each alone was too little. The answer is told as one about the
@@ -154,12 +147,14 @@ Result<Localization> TryJointly(const QueryContext& context, const std::vector<i
   std::vector<std::shared_ptr<const Segment>> parts;
   std::vector<SearchedSegment> searched;
   for (const int index : ranked) {
-    parts.push_back(context.map.segments[index].segment);
-    searched.push_back({parts.back().get(), &SearchOnce(context, index, progress, times)});
+    MAPLOC_ASSIGN_OR_RETURN(const TriedSegments::Tried* const part,
+                            progress.segments.Search(index, times));
+    parts.push_back(part->entry.segment);
+    searched.push_back({parts.back().get(), &*part->search});
     MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
   }
   const auto joint = std::make_shared<const Segment>(JoinSegments(parts));
-  const MapSnapshot::Entry entry{joint, context.map.segments[ranked.front()].decision};
+  const MapSnapshot::Entry entry{joint, context.map.decisions[ranked.front()]};
   MAPLOC_ASSIGN_OR_RETURN(Localization answer,
                           TryMatched(context, entry, MatchJointly(searched, *joint),
                                      AgainstGravity::kIfNotLocalized, progress, times));
@@ -186,9 +181,10 @@ Result<Localization> TryBeyondFirst(const QueryContext& context, const std::vect
 // query counts in exactly one segment.
 Result<Localization> TrySegments(const QueryContext& context, const std::vector<int>& ranked,
                                  Progress& progress, StageTimes& times) {
-  const MapSnapshot::Entry& best = context.map.segments[ranked.front()];
+  MAPLOC_ASSIGN_OR_RETURN(const MapSnapshot::Entry* const best,
+                          progress.segments.Load(ranked.front(), times));
   MAPLOC_ASSIGN_OR_RETURN(std::optional<Localization> quick,
-                          TryCoarseToFine(context, best, progress.iterations, times));
+                          TryCoarseToFine(context, *best, progress.iterations, times));
   if (quick) quick = Weigh(*std::move(quick), progress);
   if (quick && quick->outcome == Outcome::kLocalized) return *std::move(quick);
   const bool alone = ranked.size() == 1;
@@ -230,11 +226,15 @@ bool AreSamePose(const Localization& a, const Localization& b) {
 Result<Localization> UnlessTwin(const QueryContext& context, const Ranking& ranking,
                                 Localization answer, Progress& progress, StageTimes& times) {
   if (answer.outcome != Outcome::kLocalized) return answer;
-  for (const int twin : FindTwins(context, ranking, answer)) {
+  const Result<std::vector<int>> twins =
+      FindTwins(context, ranking, answer, progress.segments, times);
+  if (!twins.ok() && !IsOutOfTime(twins.status())) return twins.status();
+  // What could not be compared in time is not told.
+  if (!twins.ok()) return Withheld(std::move(answer), Outcome::kLowConfidence);
+  for (const int twin : *twins) {
     Result<Localization> other =
         TrySegment(context, twin, AgainstGravity::kIfInconsistent, progress, times);
     if (!other.ok() && !IsOutOfTime(other.status())) return other.status();
-    // What could not be compared in time is not told.
     if (!other.ok()) return Withheld(std::move(answer), Outcome::kLowConfidence);
     if (other->outcome != Outcome::kLocalized || AreSamePose(answer, *other)) continue;
     const auto more = static_cast<std::size_t>(InlierCount(other->evidence));
@@ -272,7 +272,7 @@ Result<Localization> TryBeyondPrior(const QueryContext& context, const std::vect
 // Where the prior says, then elsewhere. Where neither answers, what was found near the prior is
 // told.
 Result<Localization> Search(const QueryContext& context, StageTimes& times) {
-  Progress progress;
+  Progress progress(context);
   const Ranking ranking = Rank(context, context.query.prior, times);
   MAPLOC_ASSIGN_OR_RETURN(Localization answer, TryRanked(context, ranking, progress, times));
   if (!context.query.prior || answer.outcome == Outcome::kLocalized) return answer;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -46,31 +47,39 @@ class SeenFromAnswer {
   double radius_px_;
 };
 
-std::ptrdiff_t CountForAnotherPlace(const SeenFromAnswer& seen, int answered,
-                                    const std::vector<FeatureMatch>& matches,
-                                    const PlaceIndex& places) {
-  return std::ranges::count_if(matches, [&](const FeatureMatch& match) {
+// The clear matches with landmarks that the segment `answered` does not hold.
+std::vector<FeatureMatch> ClearForeign(const std::vector<FeatureMatch>& matches, int answered,
+                                       const PlaceIndex& places) {
+  std::vector<FeatureMatch> foreign;
+  std::ranges::copy_if(matches, std::back_inserter(foreign), [&](const FeatureMatch& match) {
     return IsClear(match) &&
-           !std::ranges::binary_search(places.SegmentsOf(match.landmark), answered) &&
-           !seen.Explains(match);
+           !std::ranges::binary_search(places.SegmentsOf(match.landmark), answered);
   });
+  return foreign;
+}
+
+bool IsTwin(std::ptrdiff_t matches, double needed) {
+  return matches > 0 && static_cast<double>(matches) >= needed;
 }
 
 }  // namespace
 
-std::vector<int> FindTwins(const QueryContext& context, const Ranking& ranking,
-                           const Localization& answer) {
+Result<std::vector<int>> FindTwins(const QueryContext& context, const Ranking& ranking,
+                                   const Localization& answer, TriedSegments& segments,
+                                   StageTimes& times) {
   const auto own = ranking.matches.find(answer.segment);
-  if (own == ranking.matches.end()) return {};
+  if (own == ranking.matches.end()) return std::vector<int>();
   const double needed =
       kTwinShare * static_cast<double>(std::ranges::count_if(own->second, IsClear));
   std::vector<std::pair<std::ptrdiff_t, int>> twins;  // matches, negative, and segment
   for (const auto& [other, matches] : ranking.matches) {
     if (other == answer.segment) continue;
-    const SeenFromAnswer seen(context, answer, *context.map.segments[other].segment);
-    const std::ptrdiff_t count =
-        CountForAnotherPlace(seen, answer.segment, matches, *context.map.places);
-    if (count > 0 && static_cast<double>(count) >= needed) twins.emplace_back(-count, other);
+    std::vector<FeatureMatch> foreign = ClearForeign(matches, answer.segment, *context.map.places);
+    if (!IsTwin(std::ssize(foreign), needed)) continue;
+    MAPLOC_ASSIGN_OR_RETURN(const MapSnapshot::Entry* const entry, segments.Load(other, times));
+    const SeenFromAnswer seen(context, answer, *entry->segment);
+    std::erase_if(foreign, [&](const FeatureMatch& match) { return seen.Explains(match); });
+    if (IsTwin(std::ssize(foreign), needed)) twins.emplace_back(-std::ssize(foreign), other);
   }
   std::sort(twins.begin(), twins.end());
   std::vector<int> best;

@@ -3,22 +3,21 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
+#include "mapstore/descriptors/segment_place.h"
 #include "mapstore/model/descriptor.h"
-#include "mapstore/model/map.h"
 
 namespace maploc {
 
 // Immutable after Build, hence thread-safe.
 class PlaceIndex {
  public:
-  // Landmarks shared by segments are taken once, from the one with most descriptor rows for it,
-  // with their RepresentativeRows. Memory: these rows, 4 bytes a row, 12 bytes a landmark, and for
-  // each segment that holds it 4 bytes and 4 bytes a row. REQUIRES: no null, one descriptor kind.
-  static PlaceIndex Build(std::span<const std::shared_ptr<const Segment>> segments);
+  // Landmarks shared by segments are taken once, from the one with most descriptor rows for it.
+  // Memory: their rows, 4 bytes a row, 12 bytes a landmark, and for each segment that holds it 4
+  // bytes and 4 bytes a row. REQUIRES: valid (ValidatePlace), one descriptor kind.
+  static PlaceIndex Build(std::span<const SegmentPlace> segments);
 
   int segment_count() const { return static_cast<int>(reach_.size()); }
   int landmark_count() const { return static_cast<int>(segment_begin_.size()) - 1; }
@@ -32,14 +31,14 @@ class PlaceIndex {
   // The rows of descriptors() whose landmarks `segment` holds, ascending; an index into Build's
   // segments.
   std::span<const std::int32_t> RowsOf(int segment) const { return segment_rows_[segment]; }
-  // How far off its path a segment can be seen from: the median distance from its landmarks to its
-  // path (map unit); 0 without landmarks or path. `segment` is an index into Build's segments.
+  // How far off its path a segment can be seen from (SegmentPlace::reach). `segment` is an index
+  // into Build's segments.
   double ReachOf(int segment) const { return reach_[segment]; }
   // The segment's path; may be empty.
   const std::vector<Eigen::Vector3d>& PathOf(int segment) const { return paths_[segment]; }
 
  private:
-  void AddRows(const Descriptors& descriptors, const std::vector<int>& rows);
+  void AddRows(const SegmentPlace& segment, std::int32_t landmark);
 
   Descriptors descriptors_;
   std::vector<std::int32_t> row_landmark_;

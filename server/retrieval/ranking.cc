@@ -6,7 +6,7 @@
 
 #include "mapstore/base/even_sample.h"
 #include "mapstore/descriptors/knn.h"
-#include "server/retrieval/path_distance.h"
+#include "mapstore/geometry/path_distance.h"
 
 namespace maploc {
 namespace {

@@ -26,6 +26,23 @@ Observation Observe(const Localization& localization, const Clock& clock) {
   return observation;
 }
 
+Result<MapCache::Snapshot> MapOf(const ServiceContext& context, const Query& query,
+                                 const std::optional<SessionManager::Lease>& lease) {
+  return lease ? context.maps->Get(lease->session().map) : context.maps->Enabled(query.map);
+}
+
+// A version that was deleted while it was open has segments no more: then the one in its place.
+Result<Localization> LocalizeIn(const ServiceContext& context, const Call& call, const Query& query,
+                                const std::optional<SessionManager::Lease>& lease,
+                                MapCache::Snapshot map) {
+  Result<Localization> answer =
+      Localize(query, *map, context.localizer, call.deadline, call.cancelled);
+  if (answer.status().reason() != kMapMoves) return answer;
+  MAPLOC_RETURN_IF_ERROR(context.maps->Refresh());
+  MAPLOC_ASSIGN_OR_RETURN(map, MapOf(context, query, lease));
+  return Localize(query, *map, context.localizer, call.deadline, call.cancelled);
+}
+
 }  // namespace
 
 Status HandleLocalize(const ServiceContext& context, const Call& call,
@@ -42,12 +59,10 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
     lease.emplace(std::move(entered));
     MAPLOC_RETURN_IF_ERROR(CheckMap(query, lease->session()));
   }
-  MAPLOC_ASSIGN_OR_RETURN(
-      const MapCache::Snapshot map,
-      lease ? context.maps->Get(lease->session().map) : context.maps->Enabled(query.map));
+  MAPLOC_ASSIGN_OR_RETURN(MapCache::Snapshot map, MapOf(context, query, lease));
   const double load_ms = MillisecondsSince(start, *context.clock) - convert_ms;
   MAPLOC_ASSIGN_OR_RETURN(Localization answer,
-                          Localize(query, *map, context.localizer, call.deadline, call.cancelled));
+                          LocalizeIn(context, call, query, lease, std::move(map)));
   answer.times.convert_ms = convert_ms;
   answer.times.retrieval_ms += load_ms;
   answer.times.total_ms = MillisecondsSince(start, *context.clock);

@@ -5,6 +5,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "mapstore/base/wait_limit.h"
+
 namespace maploc {
 namespace {
 
@@ -13,27 +15,31 @@ Status MapNotFound(const Status& status, const std::string& name) {
   return NotFound("map '" + name + "'", "MAP_NOT_FOUND");
 }
 
-Result<std::vector<MapSnapshot::Entry>> LoadEntries(const MapStore& store, const MapKey& key) {
-  MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments, store.ListSegments(key));
-  std::vector<MapSnapshot::Entry> entries;
-  for (const SegmentSummary& summary : segments) {
-    MAPLOC_ASSIGN_OR_RETURN(std::shared_ptr<const Segment> segment,
-                            store.LoadSegment(key, summary.id));
-    entries.push_back({std::move(segment), summary.decision});
-  }
-  return entries;
+Result<std::vector<StrategyDecision>> LoadDecisions(const MapStore& store, const MapKey& key) {
+  MAPLOC_ASSIGN_OR_RETURN(std::vector<SegmentSummary> segments, store.ListSegments(key));
+  std::vector<StrategyDecision> decisions;
+  for (SegmentSummary& summary : segments) decisions.push_back(std::move(summary.decision));
+  return decisions;
+}
+
+// Reads no landmarks.
+Result<MapCache::Snapshot> OpenVersion(const MapStore& store, const MapInfo& info,
+                                       SegmentCache& segments) {
+  MAPLOC_ASSIGN_OR_RETURN(std::vector<StrategyDecision> decisions, LoadDecisions(store, info.key));
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentPlace> places, store.LoadPlaces(info.key));
+  return BuildMapSnapshot(info, std::move(decisions), places, segments.Open(info));
 }
 
 // Whether the version in memory is the one that the store has under its number: a version that was
 // deleted gives its number to the next import.
 bool IsSameVersion(const MapSnapshot& loaded, const MapSummary& stored) {
   return loaded.info.created_unix_ns == stored.info.created_unix_ns &&
-         static_cast<std::int64_t>(loaded.segments.size()) == stored.segments;
+         static_cast<std::int64_t>(loaded.decisions.size()) == stored.segments;
 }
 
 bool AreSegmentsOf(const MapSnapshot& map, const std::vector<SegmentSummary>& segments) {
   return std::ranges::all_of(segments, [&map](const SegmentSummary& summary) {
-    return summary.id < static_cast<SegmentId>(map.segments.size());
+    return summary.id < static_cast<SegmentId>(map.decisions.size());
   });
 }
 
@@ -42,12 +48,12 @@ bool AreSegmentsOf(const MapSnapshot& map, const std::vector<SegmentSummary>& se
 MapCache::Snapshot WithStrategies(const MapCache::Snapshot& old,
                                   const std::vector<SegmentSummary>& segments) {
   const auto is_as_it_was = [&old](const SegmentSummary& summary) {
-    return old->segments.at(summary.id).decision == summary.decision;
+    return old->decisions.at(summary.id) == summary.decision;
   };
   if (std::ranges::all_of(segments, is_as_it_was)) return old;
   auto changed = std::make_shared<MapSnapshot>(*old);
   for (const SegmentSummary& summary : segments) {
-    changed->segments.at(summary.id).decision = summary.decision;
+    changed->decisions.at(summary.id) = summary.decision;
   }
   return changed;
 }
@@ -55,7 +61,10 @@ MapCache::Snapshot WithStrategies(const MapCache::Snapshot& old,
 }  // namespace
 
 MapCache::MapCache(const MapStore* store, const MapCacheOptions& options)
-    : store_(store), options_(options), thread_([this] { Run(); }) {}
+    : store_(store),
+      options_(options),
+      segments_(store, options.segment_bytes),
+      thread_([this] { Run(); }) {}
 
 MapCache::~MapCache() {
   {
@@ -91,8 +100,12 @@ void MapCache::SetEnabled(const MapKey& key) {
 
 Result<MapCache::Snapshot> MapCache::Get(const MapKey& key) {
   if (Snapshot found = Find(key)) return found;
-  const std::lock_guard load_lock(load_mutex_);
+  const std::unique_lock load_lock(load_mutex_, WaitLimit::CurrentDeadline());
   if (Snapshot found = Find(key)) return found;
+  if (!load_lock) {
+    return Status(StatusCode::kDeadlineExceeded, "DEADLINE_EXCEEDED",
+                  "the deadline passed while a map was opened; try again");
+  }
   return Load(key);
 }
 
@@ -118,9 +131,8 @@ Result<MapCache::Snapshot> MapCache::Load(const MapKey& key) {
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t counter, store_->ChangeCounter());
   const Result<MapSummary> map = store_->GetMap(key);
   if (!map.ok()) return MapNotFound(map.status(), key.name);
-  MAPLOC_ASSIGN_OR_RETURN(std::vector<MapSnapshot::Entry> entries, LoadEntries(*store_, key));
-  MAPLOC_ASSIGN_OR_RETURN(Snapshot snapshot, BuildMapSnapshot(map->info, std::move(entries)));
-  spdlog::info("map '{}' version {} is in memory: {} segments, {} points, {} lines", key.name,
+  MAPLOC_ASSIGN_OR_RETURN(Snapshot snapshot, OpenVersion(*store_, map->info, segments_));
+  spdlog::info("map '{}' version {} is open: {} segments, {} points, {} lines", key.name,
                key.version, map->segments, map->points, map->lines);
   {
     const std::lock_guard lock(mutex_);
@@ -130,7 +142,7 @@ Result<MapCache::Snapshot> MapCache::Load(const MapKey& key) {
   const std::lock_guard refresh_lock(refresh_mutex_);
   MAPLOC_RETURN_IF_ERROR(RefreshStrategies(key, counter));
   if (Snapshot found = Find(key)) return found;
-  return Status(StatusCode::kUnavailable, "MAP_MOVES",
+  return Status(StatusCode::kUnavailable, kMapMoves,
                 "map '" + key.name + "' was replaced while it was loaded; try again");
 }
 

@@ -1,4 +1,5 @@
-// Map versions in memory, as immutable snapshots that queries share. A thread looks at the store's
+// Map versions in use, as immutable snapshots that queries share; their segments are in memory as
+// far as the budget goes (segment_cache.h). A thread looks at the store's
 // change counter each `poll_interval`: a new version, a pin or a decision, also of another process,
 // is in force within a second. Nobody waits for a new version: the one before serves until it is
 // loaded.
@@ -9,6 +10,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -20,6 +22,7 @@
 #include "mapstore/store/map_store.h"
 #include "server/pipeline/map_snapshot.h"
 #include "server/sessions/health.h"
+#include "server/sessions/segment_cache.h"
 
 namespace maploc {
 
@@ -27,11 +30,13 @@ struct MapCacheOptions {
   std::chrono::milliseconds poll_interval{500};
   // An old version that nobody asked for this long is dropped from memory.
   std::chrono::milliseconds keep_unused{std::chrono::minutes(10)};
+  std::int64_t segment_bytes = std::numeric_limits<std::int64_t>::max();  // budget of segments
   Health* health = nullptr;  // outlives the cache; null: nobody asks, failures are logged alone
 };
 
 class MapCache {
  public:
+  // Must not outlive the cache.
   using Snapshot = std::shared_ptr<const MapSnapshot>;
 
   // `store` must outlive the cache.
@@ -41,7 +46,8 @@ class MapCache {
   MapCache& operator=(const MapCache&) = delete;
 
   // The enabled version of a map, or while that one loads the one before. NOT_FOUND
-  // (MAP_NOT_FOUND), or the store's errors.
+  // (MAP_NOT_FOUND), DEADLINE_EXCEEDED where others load longer than the thread's WaitLimit, or the
+  // store's errors.
   Result<Snapshot> Enabled(const std::string& name);
   // One version.
   Result<Snapshot> Get(const MapKey& key);
@@ -73,7 +79,8 @@ class MapCache {
   const MapStore* const store_;
   const MapCacheOptions options_;
   Health own_health_;
-  std::mutex load_mutex_;            // one load at a time: two queries do not load one map twice
+  SegmentCache segments_;
+  std::timed_mutex load_mutex_;      // one load at a time: two queries do not load one map twice
   std::mutex refresh_mutex_;         // one refresh at a time
   std::int64_t seen_counter_ = -1;   // guarded by refresh_mutex_
   std::int64_t versions_seen_ = -1;  // the counter at which the thread loaded enabled versions

@@ -33,6 +33,9 @@ class ForwardingStore : public MapStore {
                                                      SegmentId id) const override {
     return store_->LoadSegment(key, id);
   }
+  Result<std::vector<SegmentPlace>> LoadPlaces(const MapKey& key) const override {
+    return store_->LoadPlaces(key);
+  }
   Result<std::unique_ptr<MapWriter>> BeginImport(const MapInfo& info) override {
     return store_->BeginImport(info);
   }

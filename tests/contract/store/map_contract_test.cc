@@ -49,6 +49,26 @@ TEST_P(MapContract, AMapComesBackAsItWentIn) {
   EXPECT_EQ(got.lines.descriptor_landmark, want.lines.descriptor_landmark);
 }
 
+TEST_P(MapContract, PlacesAreWhatTheSegmentsSay) {
+  const MapKey key = GiveMap(*store_);
+  const auto places = store_->LoadPlaces(key);
+  ASSERT_TRUE(places.ok()) << places.status().ToString();
+  ASSERT_THAT(*places, SizeIs(3));
+  for (const SegmentId id : {0, 1, 2}) {
+    const SegmentPlace& got = (*places)[static_cast<std::size_t>(id)];
+    const SegmentPlace want = PlaceOf(YardSegment(id));
+    EXPECT_EQ(got.id, id);
+    EXPECT_EQ(got.path_in_map, want.path_in_map);
+    EXPECT_EQ(got.reach, want.reach);
+    EXPECT_EQ(got.ids, want.ids);
+    EXPECT_EQ(got.row_counts, want.row_counts);
+    EXPECT_EQ(got.descriptors.kind, want.descriptors.kind);
+    EXPECT_EQ(got.descriptors.bytes, want.descriptors.bytes);
+    EXPECT_EQ(got.descriptor_landmark, want.descriptor_landmark);
+  }
+  EXPECT_EQ(store_->LoadPlaces({"yard", 2}).status().code(), StatusCode::kNotFound);
+}
+
 TEST_P(MapContract, FromWhereLandmarksWereSeenComesBackWhereItIsKnown) {
   auto writer = store_->BeginImport(YardInfo()).value();
   ASSERT_TRUE(writer->AddSegment(YardSegment(0)).ok());

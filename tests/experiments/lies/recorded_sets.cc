@@ -32,7 +32,8 @@ std::string IfThere(const std::string& path) { return std::filesystem::exists(pa
 // Of the landmarks that the reference sees in the picture.
 double MedianDepth(const MapSnapshot& map, const Camera& camera, const Rigid3& camera_from_map) {
   std::vector<double> depths;
-  for (const MapSnapshot::Entry& entry : map.segments) {
+  for (SegmentId id = 0; id < map.places->segment_count(); ++id) {
+    const MapSnapshot::Entry entry = map.Load(id, {}).value();  // it is in memory
     for (const Eigen::Vector3d& position : entry.segment->points.positions_in_map) {
       const Eigen::Vector3d in_camera = camera_from_map * position;
       const auto pixel = camera.Project(in_camera);

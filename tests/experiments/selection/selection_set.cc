@@ -1,6 +1,7 @@
 #include "tests/experiments/selection/selection_set.h"
 
 #include "mapstore/store/in_memory_store.h"
+#include "tests/support/resident_map.h"
 
 namespace maploc::selection {
 
@@ -17,7 +18,7 @@ Result<std::shared_ptr<const MapSnapshot>> ImportMap(const ColmapImportOptions& 
                             store->LoadSegment(report.info.key, summary.id));
     entries.push_back({std::move(segment), summary.decision});
   }
-  return BuildMapSnapshot(report.info, std::move(entries));
+  return testing::ResidentMap(report.info, entries);
 }
 
 }  // namespace maploc::selection

@@ -53,7 +53,8 @@ QueryResult TryQuery(const SelectionSet& set, const SetQuery& query, const Trial
     for (MethodResult& method : result.methods) method.errors.resize(options.trials);
     return result;
   }
-  const Segment& segment = *set.map->segments[*best].segment;
+  const MapSnapshot::Entry entry = set.map->Load(*best, {}).value();  // it is in memory
+  const Segment& segment = *entry.segment;
   result.segment = segment.id;
   const View& view = query.query.views.front();
   result.problem =

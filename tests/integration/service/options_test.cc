@@ -37,6 +37,19 @@ TEST_F(OptionsTest, TheNearerOneWins) {
   EXPECT_EQ(Parse({"--config", config.c_str(), "--listen", "flag:3"}).options.listen, "flag:3");
 }
 
+TEST_F(OptionsTest, SizesMayHaveUnits) {
+  const auto bytes = [](const char* size) {
+    return Parse({"--store", "s", "--cache-bytes", size}).options.cache_bytes;
+  };
+  EXPECT_EQ(bytes("1234"), 1234);
+  EXPECT_EQ(bytes("512MiB"), 512ll << 20);
+  EXPECT_EQ(bytes("3GB"), 3'000'000'000);
+  EXPECT_EQ(Parse({"--store", "s"}).options.cache_bytes, 0);
+  for (const char* size : {"much", "-1", "1.5GB", "5 parsecs", "99999999999999999999"}) {
+    EXPECT_EQ(Parse({"--store", "s", "--cache-bytes", size}).exit_code, 2) << size;
+  }
+}
+
 TEST_F(OptionsTest, WrongUsageIsTwoAndUnusableFilesAreOne) {
   EXPECT_EQ(Parse({}).exit_code, 2);
   EXPECT_EQ(Parse({"--store", "s", "--nonsense"}).exit_code, 2);

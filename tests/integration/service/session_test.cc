@@ -174,6 +174,17 @@ TEST_F(SessionServiceTest, ASessionStaysOnItsMapVersion) {
   EXPECT_EQ(client_->GetMap("street")->info.key, newer);
 }
 
+// Its segments are gone from the store before the server has seen the new version.
+TEST_F(SessionServiceTest, AfterADeleteTheNewVersionAnswers) {
+  ASSERT_TRUE(client_->Localize(QueryAt(3.0)).ok());
+  const MapKey newer = ImportWorld(world_, store_.get());
+  ASSERT_TRUE(store_->DeleteVersion(map_).ok());
+  const auto answer = client_->Localize(QueryAt(30.0));
+  ASSERT_TRUE(answer.ok()) << answer.status().ToString();
+  EXPECT_EQ(answer->outcome, Outcome::kLocalized);
+  EXPECT_EQ(answer->map, newer);
+}
+
 TEST_F(SessionServiceTest, APinOfAnotherProcessIsInForceSoon) {
   const Localization before = client_->Localize(QueryAt(2.0)).value();
   ASSERT_EQ(before.strategy_source, StrategySource::kDefault);

@@ -7,6 +7,7 @@
 
 #include "server/pipeline/localizer.h"
 #include "tests/support/drawn_world.h"
+#include "tests/support/resident_map.h"
 #include "tests/support/seed.h"
 
 namespace maploc {
@@ -18,7 +19,7 @@ using testing::QueryNoise;
 std::shared_ptr<const MapSnapshot> Snapshot(const DrawnWorld& world) {
   std::vector<MapSnapshot::Entry> entries;
   for (const auto& segment : world.segments()) entries.push_back({segment, {}});
-  return BuildMapSnapshot(world.info(), entries).value();
+  return testing::ResidentMap(world.info(), entries).value();
 }
 
 double PositionError(const Localization& answer, const Rigid3& camera_from_map) {

@@ -9,6 +9,7 @@
 #include "mapstore/importers/landmark_views.h"
 #include "mapstore/importers/shared_error.h"
 #include "mapstore/importers/source_alignment.h"
+#include "tests/support/resident_map.h"
 
 namespace maploc::testing {
 namespace {
@@ -126,7 +127,7 @@ Result<std::shared_ptr<const MapSnapshot>> BuildMap(const ColmapModel& model,
   info.map_from_source = map_from_source;
   info.shared_error_rad = SharedErrorRad(model);
   info.point_descriptor = entries.front().segment->points.descriptors.kind;
-  return BuildMapSnapshot(info, std::move(entries));
+  return ResidentMap(info, entries);
 }
 
 Gravity MeasuredGravity(const Rigid3& camera_from_map, const GravitySource& source,

@@ -1,4 +1,6 @@
 // What was changed behind a store's back is found, named and not served.
+#include <utility>
+
 #include <gmock/gmock.h>
 
 #include "mapstore/store/codec.h"
@@ -59,8 +61,45 @@ TEST_F(SqliteDamageTest, ACountBeyondReasonAllocatesNothing) {
 
 TEST_F(SqliteDamageTest, AMissingSegmentIsFound) {
   GiveMap(*Open());
-  Execute("DELETE FROM segment_features WHERE segment = 1; DELETE FROM segments WHERE segment = 1");
+  Execute(
+      "DELETE FROM segment_features WHERE segment = 1; "
+      "DELETE FROM segment_places WHERE segment = 1; DELETE FROM segments WHERE segment = 1");
   ExpectVerifyNames("count of segments");
+}
+
+TEST_F(SqliteDamageTest, ADamagedPlaceIsNamedAndItsLandmarksAreServed) {
+  const MapKey key = GiveMap(*Open());
+  Execute(
+      "UPDATE segment_places SET descriptors = zeroblob(length(descriptors)) WHERE segment = 1");
+  const auto store = Open();
+  const Status status = store->LoadPlaces(key).status();
+  EXPECT_EQ(status.code(), StatusCode::kDataLoss);
+  EXPECT_THAT(status.message(), HasSubstr("segment 1: place: the checksum"));
+  EXPECT_TRUE(store->LoadSegment(key, 1).ok());
+  ExpectVerifyNames("segment 1: place: the checksum");
+}
+
+TEST_F(SqliteDamageTest, APlaceThatCannotBeIsNamed) {
+  const MapKey key = GiveMap(*Open());
+  SegmentPlace place = PlaceOf(YardSegment(1));
+  const auto keep = [&] {
+    const PlaceBlobs blobs = EncodePlace(place);
+    auto database = SqliteDatabase::Open(path_, SqliteAccess::kWrite, 1000);
+    SqliteStatement harm(*database,
+                         "UPDATE segment_places SET owners = ?1, reach = ?2, checksum = ?3 "
+                         "WHERE segment = 1");
+    const auto checksum = static_cast<std::int64_t>(blobs.checksum);
+    ASSERT_TRUE(harm.Bind(blobs.owners, blobs.reach, checksum).Run().ok());
+  };
+  const double reach = std::exchange(place.reach, -1.0);
+  keep();
+  EXPECT_THAT(Open()->LoadPlaces(key).status().message(), HasSubstr("place.reach"));
+  place.reach = reach + 1.0;  // it could be, but is not what the landmarks say
+  keep();
+  ExpectVerifyNames("segment 1: its place differs from its landmarks");
+  place.descriptor_landmark.back() = 1'000'000;
+  keep();
+  EXPECT_THAT(Open()->LoadPlaces(key).status().message(), HasSubstr("place.descriptor_landmark["));
 }
 
 // It is derived data: the next session folds all rows again, and what it writes is whole.

@@ -123,6 +123,7 @@ class SqliteMigrationTest : public SqliteStoreTest {
   void ExpectSameAs(const MapStore& fresh) {
     const auto store = Open();
     ASSERT_TRUE(store->Verify().ok()) << store->Verify().ToString();
+    EXPECT_EQ(Count("segment_places"), 2);
     for (const SegmentId id : {0, 1}) {
       const auto got = store->LoadSegment(kYard, id).value();
       const auto want = fresh.LoadSegment(kYard, id).value();
@@ -199,6 +200,18 @@ TEST_F(SqliteMigrationTest, WhatWasDamagedInVersion5StaysDamaged) {
       "WHERE segment = 1 AND type = 1");
   ExpectVerifyNames("segment 0: points: the checksum");
   EXPECT_EQ(Open()->LoadSegment(kYard, 1).status().code(), StatusCode::kDataLoss);
+  EXPECT_EQ(Open()->LoadPlaces(kYard).status().reason(), "DAMAGED_SEGMENT");
+}
+
+// An import that ran while the store was brought up to date wrote segments as of old.
+TEST_F(SqliteMigrationTest, APlaceThatIsMissingIsDerivedFromTheLandmarks) {
+  const MapKey key = GiveMap(*Open());
+  Execute("DELETE FROM segment_places WHERE segment = 1");
+  const auto store = Open();
+  const SegmentPlace place = store->LoadPlaces(key).value()[1];
+  EXPECT_EQ(EncodePlace(place).checksum, EncodePlace(PlaceOf(YardSegment(1))).checksum);
+  EXPECT_EQ(place.path_in_map, YardSegment(1).path_in_map);
+  EXPECT_TRUE(store->Verify().ok()) << store->Verify().ToString();
 }
 
 }  // namespace

@@ -179,6 +179,7 @@ TEST_F(SqliteStoreTest, WhatAKilledImportLeftIsSweptButNotWhileItLives) {
   ASSERT_TRUE(OpenSqliteStore(path_, server).ok());
   EXPECT_EQ(Count("segments"), 0);
   EXPECT_EQ(Count("segment_features"), 0);
+  EXPECT_EQ(Count("segment_places"), 0);
   EXPECT_EQ(Count("map_versions"), 0);
   EXPECT_EQ(GiveMap(*Open()).version, 1);
 }

@@ -6,6 +6,7 @@
 #include "server/matching/segment_matching.h"
 #include "server/pipeline/localizer.h"
 #include "tests/support/drawn_world.h"
+#include "tests/support/resident_map.h"
 #include "tests/support/seed.h"
 
 namespace maploc {
@@ -23,7 +24,7 @@ class CoarseToFineTest : public ::testing::Test {
   CoarseToFineTest() {
     std::vector<MapSnapshot::Entry> entries;
     for (const auto& segment : world_.segments()) entries.push_back({segment, {}});
-    snapshot_ = BuildMapSnapshot(world_.info(), entries).value();
+    snapshot_ = testing::ResidentMap(world_.info(), entries).value();
   }
 
   Query See(double outlier_share, int points = kManyPoints) {
@@ -37,7 +38,7 @@ class CoarseToFineTest : public ::testing::Test {
 
   // Of the full search in the segment that answered.
   std::vector<FeatureMatch> FullMatches(const Query& query, const Localization& answer) {
-    return MatchSegment(query.views.front(), *snapshot_->segments[answer.segment].segment).points;
+    return MatchSegment(query.views.front(), *world_.segments()[answer.segment]).points;
   }
 
   double PositionError(const Localization& answer) {
@@ -47,7 +48,7 @@ class CoarseToFineTest : public ::testing::Test {
   double ErrorPx(const Query& query, const Localization& answer, const FeatureMatch& match) {
     const View& view = query.views.front();
     const Eigen::Vector3d& position =
-        snapshot_->segments[answer.segment].segment->points.positions_in_map[match.landmark];
+        world_.segments()[answer.segment]->points.positions_in_map[match.landmark];
     const auto pixel = view.camera.Project(camera_from_map_ * position);
     return pixel ? (*pixel - view.points.keypoints_px[match.feature].cast<double>()).norm() : 1e9;
   }

@@ -3,6 +3,7 @@
 
 #include "server/pipeline/localizer.h"
 #include "tests/support/drawn_world.h"
+#include "tests/support/resident_map.h"
 #include "tests/support/seed.h"
 
 namespace maploc {
@@ -37,7 +38,7 @@ std::shared_ptr<const MapSnapshot> SnapshotWithTwins(const DrawnWorld& world, do
     }
     entries.push_back({twin, {}});
   }
-  return BuildMapSnapshot(world.info(), entries).value();
+  return testing::ResidentMap(world.info(), entries).value();
 }
 
 class EqualRooms : public ::testing::Test {

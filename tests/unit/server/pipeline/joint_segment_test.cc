@@ -9,6 +9,7 @@
 #include "server/matching/joint_matching.h"
 #include "server/pipeline/localizer.h"
 #include "tests/support/drawn_world.h"
+#include "tests/support/resident_map.h"
 #include "tests/support/seed.h"
 
 namespace maploc {
@@ -170,7 +171,7 @@ std::shared_ptr<const Segment> Renamed(const Segment& segment, SegmentId id) {
 
 Localization Answer(const Query& query, const DrawnWorld& world,
                     const std::vector<MapSnapshot::Entry>& entries) {
-  const auto map = BuildMapSnapshot(world.info(), entries);
+  const auto map = testing::ResidentMap(world.info(), entries);
   return Localize(query, **map, {}, kNoDeadline, nullptr).value();
 }
 

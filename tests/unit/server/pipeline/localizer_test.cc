@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/support/drawn_world.h"
+#include "tests/support/resident_map.h"
 #include "tests/support/seed.h"
 
 namespace maploc {
@@ -19,7 +20,7 @@ std::shared_ptr<const MapSnapshot> Snapshot(const DrawnWorld& world,
                                             const StrategyDecision& decision = {}) {
   std::vector<MapSnapshot::Entry> entries;
   for (const auto& segment : world.segments()) entries.push_back({segment, decision});
-  return BuildMapSnapshot(world.info(), entries).value();
+  return testing::ResidentMap(world.info(), entries).value();
 }
 
 double PositionError(const Localization& answer, const Rigid3& camera_from_map,
@@ -377,16 +378,15 @@ TEST_F(LocalizerTest, StageTimesAddUpToLessThanTheTotal) {
 
 TEST(BuildMapSnapshotTest, RefusesSegmentsOutOfTheirPlace) {
   const DrawnWorld world(testing::TestRandom());
-  std::vector<MapSnapshot::Entry> entries = {{world.segments()[1], {}}};
-  EXPECT_FALSE(BuildMapSnapshot(world.info(), entries).ok());
-  EXPECT_FALSE(BuildMapSnapshot(world.info(), {{nullptr, {}}}).ok());
-  EXPECT_TRUE(BuildMapSnapshot(world.info(), {}).ok());
+  EXPECT_FALSE(testing::ResidentMap(world.info(), {{world.segments()[1], {}}}).ok());
+  const std::vector<SegmentPlace> places = {PlaceOf(*world.segments()[0])};
+  EXPECT_FALSE(BuildMapSnapshot(world.info(), {}, places, nullptr).ok());
 }
 
 TEST(EmptyMapTest, IsOutOfMap) {
   const DrawnWorld world(testing::TestRandom());
   Random random = testing::TestRandom(1);
-  const auto snapshot = BuildMapSnapshot(world.info(), {}).value();
+  const auto snapshot = testing::ResidentMap(world.info(), {}).value();
   const Query query = world.See(DrawnWorld::CameraFromMapAt(5.0, 0.5), {}, random);
   const auto answer = Localize(query, *snapshot, {}, kNoDeadline, nullptr);
   ASSERT_TRUE(answer.ok());

@@ -2,8 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include "server/retrieval/path_distance.h"
+#include "mapstore/geometry/path_distance.h"
 #include "tests/support/seed.h"
+#include "tests/support/segment_places.h"
 
 namespace maploc {
 namespace {
@@ -33,7 +34,7 @@ class Corridor {
   explicit Corridor(Random random) {
     for (int i = 0; i < 2 * kLength; ++i) rows_.push_back(RandomRow(random));
     for (int s = 0; s < kSegments; ++s) segments_.push_back(MakeSegment(s));
-    places_ = PlaceIndex::Build(segments_);
+    places_ = PlaceIndex::Build(testing::PlacesOf(segments_));
   }
 
   const std::vector<std::shared_ptr<const Segment>>& segments() const { return segments_; }
@@ -127,7 +128,7 @@ TEST(SegmentScoreTest, TwinsInAnotherSegmentDoNotHideAPlace) {
   const std::vector<std::shared_ptr<const Segment>> segments = {wall(0), wall(1)};
   Descriptors seen = segments[0]->points.descriptors;
   for (std::uint8_t& byte : seen.bytes) byte ^= random.Below(4) == 0 ? 1 << random.Below(8) : 0;
-  const PlaceIndex places = PlaceIndex::Build(segments);
+  const PlaceIndex places = PlaceIndex::Build(testing::PlacesOf(segments));
   EXPECT_EQ(CountVotes(seen, places, 2, 0.8f)[0], 0);
   EXPECT_GT(SegmentScore(MatchPlace(seen, places, 0, 0.8f)), 20.0);
 }
@@ -191,7 +192,7 @@ TEST(PlaceIndexTest, TakesTheRicherDescription) {
     return std::shared_ptr<const Segment>(segment);
   };
   const std::vector<std::shared_ptr<const Segment>> segments = {make(0, 1), make(1, 3)};
-  const PlaceIndex places = PlaceIndex::Build(segments);
+  const PlaceIndex places = PlaceIndex::Build(testing::PlacesOf(segments));
   EXPECT_EQ(places.landmark_count(), 1);
   EXPECT_THAT(places.row_landmark(), ElementsAre(0, 0));
   EXPECT_THAT(places.RowsOf(0), ElementsAre(0, 1));

@@ -27,7 +27,7 @@ class MapCacheTest : public ::testing::Test {
     return tiny;
   }
   static Strategy StrategyOf(const MapCache::Snapshot& map, SegmentId segment) {
-    return map->segments[segment].decision.strategy;
+    return map->decisions[segment].strategy;
   }
 
   const testing::DrawnWorld world_;
@@ -39,8 +39,8 @@ TEST_F(MapCacheTest, LoadsOnceAndShares) {
   MapCache cache(store_.get());
   const MapCache::Snapshot map = cache.Enabled("street").value();
   EXPECT_EQ(map->info.key, key_);
-  ASSERT_EQ(map->segments.size(), world_.segments().size());
-  EXPECT_EQ(map->segments[1].segment->points.ids, world_.segments()[1]->points.ids);
+  ASSERT_EQ(map->decisions.size(), world_.segments().size());
+  EXPECT_EQ(map->Load(1, {})->segment->points.ids, world_.segments()[1]->points.ids);
   EXPECT_EQ(cache.Enabled("street").value(), map);
   EXPECT_EQ(cache.Get(key_).value(), map);
 }
@@ -66,7 +66,7 @@ TEST_F(MapCacheTest, AMapThatWasImportedJustNowIsFound) {
   auto writer = store_->BeginImport(info).value();
   ASSERT_TRUE(writer->AddSegment(*world_.segments()[0]).ok());
   ASSERT_TRUE(writer->Commit().ok());
-  EXPECT_EQ(cache.Enabled("garden")->get()->segments.size(), 1u);
+  EXPECT_EQ(cache.Enabled("garden")->get()->decisions.size(), 1u);
 }
 
 // Publishes a new version at a chosen moment: while the one before is being loaded.
@@ -74,10 +74,9 @@ class StoreWithALateImport final : public testing::ForwardingStore {
  public:
   StoreWithALateImport(MapStore* store, const testing::DrawnWorld& world)
       : ForwardingStore(store), world_(world) {}
-  Result<std::shared_ptr<const Segment>> LoadSegment(const MapKey& key,
-                                                     SegmentId id) const override {
+  Result<std::vector<SegmentPlace>> LoadPlaces(const MapKey& key) const override {
     if (!imported_.exchange(true)) testing::ImportWorld(world_, store_);
-    return store_->LoadSegment(key, id);
+    return store_->LoadPlaces(key);
   }
 
  private:
@@ -106,8 +105,8 @@ TEST_F(MapCacheTest, RefreshSeesAStrategyAndSharesTheSegments) {
 
   const MapCache::Snapshot after = cache.Enabled("street").value();
   EXPECT_EQ(StrategyOf(after, 1), Strategy::k2P);
-  EXPECT_EQ(after->segments[1].decision.source, StrategySource::kPinned);
-  EXPECT_EQ(after->segments[1].segment, before->segments[1].segment);
+  EXPECT_EQ(after->decisions[1].source, StrategySource::kPinned);
+  EXPECT_EQ(after->Load(1, {})->segment, before->Load(1, {})->segment);
   EXPECT_EQ(after->places, before->places);
   EXPECT_EQ(StrategyOf(before, 1), Strategy::kMixed);  // a running query keeps what it has
 }
@@ -144,6 +143,9 @@ class ChangingStore final : public testing::ForwardingStore {
                                                      SegmentId id) const override {
     return Now().LoadSegment(key, id);
   }
+  Result<std::vector<SegmentPlace>> LoadPlaces(const MapKey& key) const override {
+    return Now().LoadPlaces(key);
+  }
   Result<std::int64_t> ChangeCounter() const override {
     if (throws) throw std::bad_alloc();
     return counter.load();
@@ -173,14 +175,14 @@ TEST_F(MapCacheTest, AnotherContentUnderTheSameVersionIsNeitherServedNorMixed) {
   MapCacheOptions options;
   options.poll_interval = 1h;
   MapCache cache(&store, options);
-  ASSERT_GT(cache.Enabled("street").value()->segments.size(), 1u);
+  ASSERT_GT(cache.Enabled("street").value()->decisions.size(), 1u);
   store.PutInPlace(others.get());
   ASSERT_TRUE(cache.Refresh().ok());
-  EXPECT_EQ(cache.Enabled("street").value()->segments.size(), 1u);
-  EXPECT_EQ(cache.Get(key_).value()->segments.size(), 1u);
+  EXPECT_EQ(cache.Enabled("street").value()->decisions.size(), 1u);
+  EXPECT_EQ(cache.Get(key_).value()->decisions.size(), 1u);
   store.PutInPlace(store_.get());
   ASSERT_TRUE(cache.Refresh().ok());
-  EXPECT_EQ(cache.Get(key_).value()->segments.size(), world_.segments().size());
+  EXPECT_EQ(cache.Get(key_).value()->decisions.size(), world_.segments().size());
 }
 
 TEST_F(MapCacheTest, ADeletedMapIsForgotten) {

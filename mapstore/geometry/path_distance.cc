@@ -1,4 +1,4 @@
-#include "server/retrieval/path_distance.h"
+#include "mapstore/geometry/path_distance.h"
 
 #include <algorithm>
 

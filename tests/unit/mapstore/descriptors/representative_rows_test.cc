@@ -1,4 +1,4 @@
-#include "server/retrieval/representative_rows.h"
+#include "mapstore/descriptors/representative_rows.h"
 
 #include <gmock/gmock.h>
 
