@@ -34,10 +34,12 @@ std::string CheckListen(const std::string& listen) {
   return "";
 }
 
-// What AsSizeValue made of a size: one below 0 or beyond 64 bits has become their largest number.
+// What AsSizeValue made of a size: one without a unit stands as it was, one beyond 64 bits has
+// become their largest number.
 std::string CheckBytes(const std::string& bytes) {
   constexpr std::size_t kMaxDigits = 18;
-  return bytes.size() <= kMaxDigits ? "" : "must be a size from 0 to 10^18 bytes";
+  const bool good = bytes.size() <= kMaxDigits && !bytes.starts_with('-');
+  return good ? "" : "must be a size from 0 to 10^18 bytes";
 }
 
 void AddOptions(CLI::App& app, ServerOptions& options) {
