@@ -85,7 +85,7 @@ def _metadata(project: dict[str, Any]) -> str:
     lines += [f"Requires-Python: {project['requires-python']}"]
     lines += [f"Requires-Dist: {requirement}" for requirement in project["dependencies"]]
     lines += ["Description-Content-Type: text/markdown", ""]
-    return "\n".join(lines) + "\n" + (HERE / project["readme"]).read_text(encoding="utf-8")
+    return "\n".join(lines) + "\n" + (HERE / str(project["readme"])).read_text(encoding="utf-8")
 
 
 def _record(files: dict[str, bytes]) -> str:
