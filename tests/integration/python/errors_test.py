@@ -50,7 +50,7 @@ class ErrorsTest(RoomTestCase):
     def test_this_machine_is_reached_without_the_environments_proxy(self) -> None:
         with unittest.mock.patch.dict("os.environ", {"http_proxy": "http://127.0.0.1:1", "no_proxy": ""}):
             with maploc.Client(self.server.address) as client:
-                self.assertEqual([found.name for found in client.maps()], ["orb_room", "room"])
+                self.assertEqual([found.name for found in client.maps()], ["room"])
 
     def refusal(self, map_name: str, view: maploc.View) -> maploc.MaplocError:
         """The error of a query that must fail."""

@@ -12,6 +12,8 @@ from running_server import run
 class LocalizeTest(RoomTestCase):
     """Outside of sessions."""
 
+    kinds = {"room": "sift_root_u8", "orb_room": "orb"}
+
     def test_a_photo_is_localized_where_it_was_taken(self) -> None:
         for shot in self.shots:
             gravity = maploc.Gravity.down(shot.down_in_camera)
@@ -71,7 +73,7 @@ class LocalizeTest(RoomTestCase):
         self.assertIsNone(answer.pose)
 
     def test_the_answer_is_the_c_plus_plus_clients_to_the_bit(self) -> None:
-        for name in ("room", "orb_room"):
+        for name in self.kinds:
             for shot in self.shots:
                 expected = run(
                     *("maploc", "localize", "--server", self.server.address, "--map", name, "--image", str(shot.path)),

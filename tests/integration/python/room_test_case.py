@@ -10,8 +10,9 @@ from running_server import RunningServer, run, seed_of
 
 
 class RoomTestCase(unittest.TestCase):
-    """Map "room" has sift_root_u8 descriptors, "orb_room" ORB's."""
+    """The map is "room"."""
 
+    kinds = {"room": "sift_root_u8"}  # the maps and the kinds of their points
     folder: pathlib.Path
     shots: list[Shot]
     server: RunningServer
@@ -20,10 +21,10 @@ class RoomTestCase(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Imports and serves both maps."""
+        """Imports and serves the maps."""
         cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         cls.shots = paint_room(cls.folder, seed_of(cls.__name__))
-        for name, kind in (("room", "sift_root_u8"), ("orb_room", "orb")):
+        for name, kind in cls.kinds.items():
             run(
                 *("maploc-map", "import-colmap", "--store", str(cls.folder / "store.db"), "--map", name),
                 *("--model", str(cls.folder / "model"), "--images", str(cls.folder / "photos")),
