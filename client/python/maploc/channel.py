@@ -1,5 +1,6 @@
 """Calls with a deadline, repeated where that is safe. Only for client.py."""
 
+import itertools
 import os
 import random
 import re
@@ -56,7 +57,7 @@ class Channel:
     def call(self, method: Callable[..., Response], request: Any, *, safe: bool) -> Response:
         """The answer. `safe`: the call may be repeated although the server may have seen it."""
         backoff = _FIRST_BACKOFF_SECONDS
-        for attempt in range(1, _MAX_ATTEMPTS + 1):
+        for attempt in itertools.count(1):
             try:
                 return method(request, timeout=self._timeout_seconds, metadata=self._metadata)
             except grpc.RpcError as error:
@@ -66,7 +67,6 @@ class Channel:
             # Robots that were refused together must not come back together: up to a quarter more.
             time.sleep(wait * random.uniform(1, 1.25))
             backoff *= 2
-        raise AssertionError("unreachable")
 
     def _error_of(self, error: Any) -> MaplocError:
         code, details = error.code().name, error.details() or ""

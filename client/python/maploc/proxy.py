@@ -8,7 +8,9 @@ import re
 def is_loopback(address: str) -> bool:
     """Whether `address` (HOST:PORT, or gRPC's ipv4:, ipv6:, dns: and unix: forms) is this machine itself."""
     host = _host_of(address)
-    return address.startswith("unix") or host.startswith("127.") or host in ("localhost", "::1", "0.0.0.0", "::")
+    if address.startswith(("unix:", "unix-abstract:")) or host in ("localhost", "::1", "0.0.0.0", "::"):
+        return True
+    return re.fullmatch(r"127\.\d+\.\d+\.\d+", host) is not None  # 127.example.com is somewhere else
 
 
 def proxy_in_use(address: str) -> str:

@@ -169,3 +169,7 @@ class QueryOptions:
     strategy: Strategy | None = None
     refinement: Refinement = Refinement.AUTO
     max_error_pixels: float | None = None
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.capture_unix_nanos < 2**63:
+            invalid("options.capture_unix_nanos", "must be nanoseconds since 1970, not negative", "OUT_OF_RANGE")

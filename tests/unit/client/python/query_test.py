@@ -48,6 +48,10 @@ class QueryTest(unittest.TestCase):
         for sigma in (0.0, -1.0, math.nan):
             self.check_field("prior.sigma", lambda made=sigma: maploc.Prior(np.zeros(3), made))
 
+    def test_a_time_is_of_this_epoch(self) -> None:
+        for nanos in (-1, 2**63):
+            self.check_field("options.capture_unix_nanos", lambda made=nanos: maploc.QueryOptions(made))
+
     def test_a_quaternion_is_its_matrix(self) -> None:
         random = np.random.default_rng(1)
         special = [np.eye(4)[i] for i in range(4)]
@@ -75,7 +79,14 @@ class QueryTest(unittest.TestCase):
             "0.0.0.0:1",
         ):
             self.assertTrue(is_loopback(address), address)
-        for address in ("yard:1", "10.0.0.1:1", "[fe80::1]:1", "localhost.example.com:1"):
+        for address in (
+            "yard:1",
+            "10.0.0.1:1",
+            "[fe80::1]:1",
+            "localhost.example.com:1",
+            "127.example.com:1",
+            "unixhost:1",
+        ):
             self.assertFalse(is_loopback(address), address)
 
     def test_a_proxy_is_named_without_its_password(self) -> None:
