@@ -1,6 +1,5 @@
 """Calls with a deadline, repeated where that is safe. Only for client.py."""
 
-import itertools
 import os
 import random
 import re
@@ -56,8 +55,8 @@ class Channel:
 
     def call(self, method: Callable[..., Response], request: Any, *, safe: bool) -> Response:
         """The answer. `safe`: the call may be repeated although the server may have seen it."""
-        backoff = _FIRST_BACKOFF_SECONDS
-        for attempt in itertools.count(1):
+        attempt, backoff = 1, _FIRST_BACKOFF_SECONDS
+        while True:
             try:
                 return method(request, timeout=self._timeout_seconds, metadata=self._metadata)
             except grpc.RpcError as error:
@@ -66,7 +65,7 @@ class Channel:
                     raise self._error_of(error) from None
             # Robots that were refused together must not come back together: up to a quarter more.
             time.sleep(wait * random.uniform(1, 1.25))
-            backoff *= 2
+            attempt, backoff = attempt + 1, backoff * 2
 
     def _error_of(self, error: Any) -> MaplocError:
         code, details = error.code().name, error.details() or ""
