@@ -45,8 +45,16 @@ CONFINED = [
     (r"opencv2/.*", r"(mapstore/features|client|tests)/"),
 ]
 
+# The same for the modules that the Python package imports.
+CONFINED_MODULES = [
+    (r"grpc(\..*)?", r"client/python/maploc/channel\.py$|tests/"),
+    (r"maploc\.v1(\..*)?", r"client/python/maploc/(client|wire)\.py$|tests/"),
+    (r"cv2(\..*)?", r"client/python/maploc/(camera_files|features|photo)\.py$|client/python/examples/|tests/"),
+]
+
 OWN = re.compile(r"^(proto|mapstore|server|client|tests)/")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+PYTHON_IMPORT = re.compile(r"^\s*(?:import|from)\s+([\w.]+)")
 MAX_LINES = 400
 
 
@@ -72,21 +80,32 @@ def check_include(name, folder, included):
             yield f"{included} may be included only in {allowed}"
 
 
+def check_import(name, module):
+    for confined, allowed in CONFINED_MODULES:
+        if re.fullmatch(confined, module) and not re.search(allowed, name):
+            yield f"{module} may be imported only in {allowed}"
+
+
+def check_line(name, line):
+    if name.endswith(".py"):
+        match = PYTHON_IMPORT.match(line)
+        return check_import(name, match.group(1)) if match else ()
+    match = INCLUDE.match(line)
+    return check_include(name, "/".join(name.split("/")[:2]), match.group(1)) if match else ()
+
+
 def check_file(root, path):
     name = path.relative_to(root).as_posix()
-    folder = "/".join(name.split("/")[:2])
     lines = path.read_text(encoding="utf-8").splitlines()
     for number, line in enumerate(lines, 1):
-        match = INCLUDE.match(line)
-        if match:
-            for breach in check_include(name, folder, match.group(1)):
-                yield f"{name}:{number}: {breach}"
+        for breach in check_line(name, line):
+            yield f"{name}:{number}: {breach}"
     if len(lines) > MAX_LINES:
         yield f"{name}: {len(lines)} lines, more than {MAX_LINES}; split the file"
 
 
 def check_readmes(root):
-    for folder in MAY_INCLUDE:
+    for folder in [*MAY_INCLUDE, "client/python"]:
         if not (root / folder / "README.md").exists():
             yield f"{folder}: has no README.md"
 
@@ -94,7 +113,7 @@ def check_readmes(root):
 def main():
     root = pathlib.Path(sys.argv[1])
     files = [p for top in ("proto", "mapstore", "server", "client", "tests") for p in sorted((root / top).rglob("*"))
-             if p.suffix in (".h", ".cc")]
+             if p.suffix in (".h", ".cc", ".py")]
     breaches = [b for path in files for b in check_file(root, path)] + list(check_readmes(root))
     print("\n".join(breaches) if breaches else f"{len(files)} files keep the layering.")
     return 1 if breaches or not files else 0

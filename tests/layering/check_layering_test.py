@@ -44,6 +44,15 @@ class LayeringTest(unittest.TestCase):
                                ("server/matching/a.cc", "opencv2/core.hpp")]:
             self.assertEqual(len(breaches_of(name, f"#include <{included}>\n")), 1, (name, included))
 
+    def test_confined_modules_are_found_elsewhere(self):
+        for name, text in [("client/python/maploc/client.py", "import grpc"),
+                           ("client/python/maploc/answer.py", "from maploc.v1 import types_pb2"),
+                           ("client/python/maploc/gravity.py", "    import cv2")]:
+            found = breaches_of(name, f"import numpy\n{text}\n")
+            self.assertEqual(len(found), 1, text)
+            self.assertTrue(found[0].startswith(f"{name}:2:"))
+        self.assertEqual(breaches_of("client/python/maploc/channel.py", "import grpc\n"), [])
+
     def test_unknown_folder_and_long_file_are_found(self):
         self.assertEqual(len(breaches_of("server/attic/a.cc", '#include "mapstore/base/ids.h"\n')), 1)
         self.assertEqual(len(breaches_of("server/app/a.cc", "\n" * 401)), 1)
