@@ -9,10 +9,12 @@
 namespace maploc {
 namespace {
 
+// Looked at first, spread over all.
 constexpr int kPoints = 1000;
 // Of the matches as they were sent: a symmetric front that is seen honestly matches turned over,
-// too, but worse. And so many standard deviations of the two counts' difference more.
-constexpr double kClearlyMore = 1.5;
+// too, but at most 1.04 times as often; mirrored ones at least 1.56 times. And so many standard
+// deviations of the two counts' difference more.
+constexpr double kMore = 1.25;
 constexpr double kSigmas = 4.0;
 
 // SIFT's layout: 4 rows of 4 cells of 8 directions each, in the frame of the keypoint's own
@@ -43,23 +45,38 @@ double MatchCount(const Camera& camera, const Descriptors& descriptors, const Se
   return static_cast<double>(MatchSegment(view, segment).points.size());
 }
 
-}  // namespace
+struct Counts {
+  double sent = 0.0;
+  double turned = 0.0;
 
-bool MatchesBetterMirrored(const View& view, const Segment& segment) {
+  bool MoreTurned() const { return turned > kMore * sent; }
+  bool IsSure() const { return turned - sent > kSigmas * std::sqrt(turned + sent); }
+};
+
+// The matches of every `step`-th point.
+Counts CountMatches(const View& view, const Segment& segment, int step) {
   const Descriptors& all = view.points.descriptors;
-  if (!IsSift(all.kind)) return false;
   Descriptors sent{all.kind, {}};
   Descriptors mirrored{all.kind, {}};
-  const int step = 1 + (all.size() - 1) / kPoints;
   for (int i = 0; i < all.size(); i += step) {
     const std::span<const std::uint8_t> row = all.row(i);
     sent.bytes.insert(sent.bytes.end(), row.begin(), row.end());
     AppendMirrored(row, mirrored.bytes);
   }
-  const double as_sent = MatchCount(view.camera, sent, segment);
-  const double turned = MatchCount(view.camera, mirrored, segment);
-  return turned > kClearlyMore * as_sent &&
-         turned - as_sent > kSigmas * std::sqrt(turned + as_sent);
+  return {MatchCount(view.camera, sent, segment), MatchCount(view.camera, mirrored, segment)};
+}
+
+}  // namespace
+
+bool MatchesBetterMirrored(const View& view, const Segment& segment) {
+  const Descriptors& all = view.points.descriptors;
+  if (!IsSift(all.kind)) return false;
+  const int step = 1 + (all.size() - 1) / kPoints;
+  Counts counts = CountMatches(view, segment, step);
+  if (!counts.MoreTurned()) return false;
+  // A segment that holds a part of the scene has few matches of either kind.
+  if (!counts.IsSure() && step > 1) counts = CountMatches(view, segment, 1);
+  return counts.MoreTurned() && counts.IsSure();
 }
 
 }  // namespace maploc

@@ -59,6 +59,7 @@ struct Progress {
 
   int iterations = 0;
   int contradicting_inliers = 0;  // most inliers of a pose that contradicts the calibration
+  bool is_mirrored = false;       // the photo, as a segment has shown
   TriedSegments segments;
 };
 
@@ -90,14 +91,15 @@ Localization Weigh(Localization answer, Progress& progress) {
 // What the matches of a pose cannot tell: whether the photo itself was mirrored. Asked where much
 // is left unexplained, as a mirrored photo leaves it.
 Localization UnlessMirrored(const QueryContext& context, const Segment& segment,
-                            Localization answer, StageTimes& times) {
+                            Localization answer, Progress& progress, StageTimes& times) {
   const FeatureCounts& points = answer.evidence.points;
   if (answer.outcome != Outcome::kLocalized ||
       points.inliers >= kExplainsMost * static_cast<double>(points.matches)) {
     return answer;
   }
   const Stopwatch watch(times.matching_ms);
-  if (!MatchesBetterMirrored(context.view(), segment)) return answer;
+  progress.is_mirrored = progress.is_mirrored || MatchesBetterMirrored(context.view(), segment);
+  if (!progress.is_mirrored) return answer;
   return Withheld(std::move(answer), Outcome::kLowConfidence);
 }
 
@@ -114,7 +116,7 @@ Result<Localization> TryMatched(const QueryContext& context, const MapSnapshot::
   const bool fall_back = against_gravity != AgainstGravity::kNever;
   MAPLOC_ASSIGN_OR_RETURN(Localization answer, TryMatches(context, entry, problem, fall_back, start,
                                                           progress.iterations, times));
-  answer = UnlessMirrored(context, *entry.segment, std::move(answer), times);
+  answer = UnlessMirrored(context, *entry.segment, std::move(answer), progress, times);
   if (!problem.has_gravity || !IsTried(against_gravity, answer.outcome)) {
     return Weigh(std::move(answer), progress);
   }
@@ -128,7 +130,8 @@ Result<Localization> TryMatched(const QueryContext& context, const MapSnapshot::
     return Weigh(std::move(answer), progress);
   }
   free->evidence.iterations += answer.evidence.iterations;
-  return Weigh(UnlessMirrored(context, *entry.segment, *std::move(free), times), progress);
+  return Weigh(UnlessMirrored(context, *entry.segment, *std::move(free), progress, times),
+               progress);
 }
 
 Result<Localization> TrySegment(const QueryContext& context, int segment,
