@@ -9,6 +9,7 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include "client/api/credentials.h"
 #include "client/api/proxy.h"
 #include "client/api/remote_from_proto.h"
 #include "maploc/v1/localization_service.grpc.pb.h"
@@ -38,7 +39,13 @@ constexpr std::chrono::milliseconds kFirstBackoff(100);  // doubles an attempt
 // A server that asks for a longer wait is not waited for: its refusal is returned.
 constexpr std::chrono::milliseconds kLongestWait(2000);
 
-std::shared_ptr<grpc::Channel> MakeChannel(const std::string& server) {
+std::shared_ptr<grpc::ChannelCredentials> Transport(const ClientCredentials& credentials) {
+  if (credentials.ca_pem.empty()) return grpc::InsecureChannelCredentials();
+  return grpc::SslCredentials({credentials.ca_pem, credentials.key_pem, credentials.cert_pem});
+}
+
+std::shared_ptr<grpc::Channel> MakeChannel(const std::string& server,
+                                           const ClientCredentials& credentials) {
   grpc::ChannelArguments arguments;
   // Else gRPC lets all clients of a process share one connection, and its flow control.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
@@ -47,7 +54,7 @@ std::shared_ptr<grpc::Channel> MakeChannel(const std::string& server) {
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMaxReconnectMs);
   // A proxy cannot reach this machine's own loopback.
   if (IsLoopback(server)) arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  return grpc::CreateCustomChannel(server, grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(server, Transport(credentials), arguments);
 }
 
 StatusCode CodeFromGrpc(grpc::StatusCode code) {
@@ -67,7 +74,7 @@ std::string WithoutSuffix(std::string text, std::string_view suffix) {
 
 // What gRPC itself says when a connection cannot be made, or an answer does not come in time, names
 // neither the proxy in between nor the time.
-std::string Explain(const grpc::Status& status, const std::string& server,
+std::string Explain(const grpc::Status& status, const std::string& server, bool encrypted,
                     std::chrono::milliseconds timeout) {
   std::string text = "server " + server + ": " + status.error_message();
   if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED) {
@@ -79,7 +86,8 @@ std::string Explain(const grpc::Status& status, const std::string& server,
                            status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED;
   const std::string proxy = unreachable ? ProxyInUse(server) : "";
   if (proxy.empty() && status.error_code() == grpc::StatusCode::UNAVAILABLE) {
-    text += "; is maploc-server running there?";
+    text += "; is maploc-server running there? ";
+    text += encrypted ? "Does its certificate fit --ca and the host?" : "With TLS it needs --ca";
   }
   if (!proxy.empty()) {
     text += "; the call went through the proxy " + proxy +
@@ -89,7 +97,7 @@ std::string Explain(const grpc::Status& status, const std::string& server,
 }
 
 Status StatusFromGrpc(const grpc::Status& status, const grpc::ClientContext& context,
-                      const std::string& server, std::chrono::milliseconds timeout) {
+                      const std::string& server, const ClientOptions& options) {
   if (status.ok()) return Status::Ok();
   const StatusCode code = CodeFromGrpc(status.error_code());
   const auto& trailer = context.GetServerTrailingMetadata();
@@ -99,7 +107,8 @@ Status StatusFromGrpc(const grpc::Status& status, const grpc::ClientContext& con
     std::string message = WithoutSuffix(status.error_message(), " (" + name + ")");
     return Status(code, std::move(name), std::move(message));
   }
-  return Status(code, std::string(StatusCodeName(code)), Explain(status, server, timeout));
+  return Status(code, std::string(StatusCodeName(code)),
+                Explain(status, server, !options.credentials.ca_pem.empty(), options.call_timeout));
 }
 
 // Unique over robots and restarts, which no seed handed in could promise.
@@ -156,7 +165,7 @@ struct Client::Impl {
   Impl(const std::string& server_name, const ClientOptions& client_options)
       : server(server_name),
         options(client_options),
-        channel(MakeChannel(server_name)),
+        channel(MakeChannel(server_name, client_options.credentials)),
         localization(v1::LocalizationService::NewStub(channel)),
         maps(v1::MapService::NewStub(channel)) {}
 
@@ -174,19 +183,33 @@ struct Client::Impl {
     return again ? std::optional(backoff) : std::nullopt;
   }
 
+  // Whoever reads it on its way has it.
+  Status CheckToken() const {
+    const ClientCredentials& own = options.credentials;
+    if (own.token.empty()) return Status::Ok();
+    MAPLOC_RETURN_IF_ERROR(CheckTokenText("token", own.token));
+    if (!own.ca_pem.empty() || IsLoopback(server)) return Status::Ok();
+    return FailedPrecondition(
+        "TOKEN_IN_CLEAR", "the token is not sent to " + server + " without encryption; give --ca");
+  }
+
   // Calls `method` with a deadline an attempt, and again where that is safe.
   template <typename Stub, typename Request, typename Response>
   Status Call(Stub& stub,
               grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
               const Request& request, Response* response, Repeat repeat) const {
+    MAPLOC_RETURN_IF_ERROR(CheckToken());
     auto backoff = kFirstBackoff;
     for (int attempt = 1;; ++attempt) {
       grpc::ClientContext context;
       context.set_deadline(std::chrono::system_clock::now() + options.call_timeout);
+      if (const std::string& token = options.credentials.token; !token.empty()) {
+        context.AddMetadata("authorization", "Bearer " + token);
+      }
       const grpc::Status status = (stub.*method)(&context, request, response);
       const auto wait = Wait(status, context, repeat, backoff);
       if (!wait || attempt >= options.max_attempts) {
-        return StatusFromGrpc(status, context, server, options.call_timeout);
+        return StatusFromGrpc(status, context, server, options);
       }
       std::this_thread::sleep_for(WithJitter(*wait));
       backoff *= 2;

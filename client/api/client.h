@@ -23,9 +23,19 @@
 
 namespace maploc {
 
+// How a client trusts the server, and shows who it is itself. Texts, not files: ReadCredentials
+// (credentials.h) reads them.
+struct ClientCredentials {
+  std::string ca_pem;    // authorities of the server's certificate; empty: plain text
+  std::string cert_pem;  // the client's own certificate and key, where the server asks for one
+  std::string key_pem;
+  std::string token;  // sent with each call; empty: none
+};
+
 struct ClientOptions {
   std::chrono::milliseconds call_timeout{10000};  // of each attempt
   int max_attempts = 4;                           // of calls that are safe to repeat
+  ClientCredentials credentials;
 };
 
 // What GetMap tells of a map.
@@ -54,7 +64,8 @@ struct RemoteSegment {
 
 class Client {
  public:
-  // Does not connect yet: the first call does. `server` is HOST:PORT.
+  // Does not connect yet: the first call does. `server` is HOST:PORT. With a token and without TLS
+  // it must be this machine: to any other every call is FAILED_PRECONDITION (TOKEN_IN_CLEAR).
   explicit Client(const std::string& server, const ClientOptions& options = {});
   ~Client();
   Client(Client&&) noexcept;

@@ -1,5 +1,6 @@
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <iostream>
 
 #include "client/cli/commands.h"
@@ -39,6 +40,14 @@ CLI::Option* AddServerFlag(CLI::App& command, CommandContext& context) {
       .add_option("--timeout", context.timeout_s,
                   "seconds that an answer may take; later it is DEADLINE_EXCEEDED")
       ->capture_default_str();
+  command.add_option("--ca", context.credentials.ca,
+                     "authority of the server's certificate (PEM): the connection is encrypted");
+  command.add_option("--cert", context.credentials.cert,
+                     "own certificate (PEM), where the server asks for one");
+  command.add_option("--key", context.credentials.key, "the private key of --cert (PEM)");
+  command.add_option("--token-file", context.credentials.token,
+                     "file of the token that the server asks for (or the environment: "
+                     "MAPLOC_TOKEN)");
   return command.add_option("--server", context.server, "the server's HOST:PORT")
       ->check(CheckServer);
 }
@@ -51,6 +60,12 @@ Result<ClientOptions> ClientOptionsFrom(const CommandContext& context) {
   }
   ClientOptions options;
   options.call_timeout = std::chrono::milliseconds(std::llround(1000.0 * context.timeout_s));
+  MAPLOC_ASSIGN_OR_RETURN(options.credentials, ReadCredentials(context.credentials));
+  const char* const token = std::getenv("MAPLOC_TOKEN");
+  if (token != nullptr && *token != '\0' && options.credentials.token.empty()) {
+    MAPLOC_RETURN_IF_ERROR(CheckTokenText("MAPLOC_TOKEN", token));
+    options.credentials.token = token;
+  }
   return options;
 }
 

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "client/api/client.h"
+#include "client/api/credentials.h"
 #include "mapstore/base/status.h"
 
 namespace maploc {
@@ -17,6 +18,7 @@ namespace maploc {
 // What every command shares. Lives as long as the command line's parser.
 struct CommandContext {
   std::string server;              // --server HOST:PORT
+  CredentialFiles credentials;     // --ca, --cert, --key, --token-file
   double timeout_s = 10.0;         // --timeout: of each call
   bool json = false;               // --json: one document on standard output, all else on error
   std::function<Status()> chosen;  // the chosen command's work; set by the parser
@@ -29,10 +31,13 @@ CLI::App* AddCommand(CLI::App& app, CommandContext& context, const std::string& 
                      const std::string& description, const std::string& example,
                      std::function<Status()> run);
 
-// --server, which every command but the making of a world needs, and --timeout.
+// --server, which every command but the making of a world needs, --timeout, and what the server
+// asks for: --ca, --cert, --key, --token-file.
 CLI::Option* AddServerFlag(CLI::App& command, CommandContext& context);
 
-// What --timeout asks for; INVALID_ARGUMENT where it makes no sense.
+// What --timeout and the credentials' flags ask for, and MAPLOC_TOKEN of the environment where
+// there is no --token-file; never a bare argument, which every process of the machine could read.
+// INVALID_ARGUMENT where it makes no sense.
 Result<ClientOptions> ClientOptionsFrom(const CommandContext& context);
 // A client of --server.
 Result<Client> Connect(const CommandContext& context);

@@ -60,26 +60,28 @@ void Process(void* state, grpc_auth_context* connection, const grpc_metadata*, s
        admitted ? nullptr : "too many calls on this connection (CALL_RATE)");
 }
 
-class InsecureLimited final : public grpc::ServerCredentials {
+class Limited final : public grpc::ServerCredentials {
  public:
+  explicit Limited(grpc_server_credentials* transport) : transport_(transport) {
+    grpc_server_credentials_set_auth_metadata_processor(
+        transport_,
+        {Process, [](void* state) { delete static_cast<CallRate*>(state); }, new CallRate});
+  }
+  ~Limited() override { grpc_server_credentials_release(transport_); }
   void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
 
  private:
   int AddPortToServer(const std::string& address, grpc_server* server) override {
-    grpc_server_credentials* const credentials = grpc_insecure_server_credentials_create();
-    grpc_server_credentials_set_auth_metadata_processor(
-        credentials,
-        {Process, [](void* state) { delete static_cast<CallRate*>(state); }, new CallRate});
-    const int port = grpc_server_add_http2_port(server, address.c_str(), credentials);
-    grpc_server_credentials_release(credentials);
-    return port;
+    return grpc_server_add_http2_port(server, address.c_str(), transport_);
   }
+
+  grpc_server_credentials* const transport_;
 };
 
 }  // namespace
 
-std::shared_ptr<grpc::ServerCredentials> InsecureLimitedCredentials() {
-  return std::make_shared<InsecureLimited>();
+std::shared_ptr<grpc::ServerCredentials> LimitedCredentials(grpc_server_credentials* transport) {
+  return std::make_shared<Limited>(transport);
 }
 
 }  // namespace maploc

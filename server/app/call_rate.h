@@ -6,11 +6,12 @@
 
 #include <memory>
 
+#include <grpc/grpc_security.h>
 #include <grpcpp/security/server_credentials.h>
 
 namespace maploc {
 
-// No encryption, no identity, as grpc::InsecureServerCredentials.
-std::shared_ptr<grpc::ServerCredentials> InsecureLimitedCredentials();
+// Those of `transport`, which it takes: what encrypts a connection and says who the peer is.
+std::shared_ptr<grpc::ServerCredentials> LimitedCredentials(grpc_server_credentials* transport);
 
 }  // namespace maploc

@@ -107,9 +107,27 @@ ListeningSockets ListenOnHost(const std::string& host, int port) {
   return port == 0 ? ListenOnAnyPort(addresses.get()) : ListenOnAll(addresses.get(), port);
 }
 
+bool IsLoopback(const sockaddr* address) {
+  if (address->sa_family == AF_INET) {
+    const auto* four = reinterpret_cast<const sockaddr_in*>(address);
+    return ntohl(four->sin_addr.s_addr) >> 24 == IN_LOOPBACKNET;
+  }
+  const in6_addr& six = reinterpret_cast<const sockaddr_in6*>(address)->sin6_addr;
+  if (IN6_IS_ADDR_V4MAPPED(&six)) return six.s6_addr[12] == IN_LOOPBACKNET;
+  return IN6_IS_ADDR_LOOPBACK(&six) != 0;
+}
+
 bool IsEveryAddress(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
 
 }  // namespace
+
+bool IsBeyondLoopback(const std::string& address) {
+  const Addresses addresses = Resolve(Split(address).host, "0");
+  for (const addrinfo* one = addresses.get(); one != nullptr; one = one->ai_next) {
+    if (!IsLoopback(one->ai_addr)) return true;
+  }
+  return false;
+}
 
 Result<ListeningSockets> ListenOn(const std::string& address) {
   const HostAndPort split = Split(address);

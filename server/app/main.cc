@@ -12,6 +12,7 @@
 #include "mapstore/base/standard_output.h"
 #include "server/app/options.h"
 #include "server/app/server.h"
+#include "server/app/token_command.h"
 #include "server/app/transport_limits.h"
 #include "server/sessions/caught.h"
 
@@ -45,6 +46,7 @@ int Fail(const maploc::Status& status) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (maploc::IsTokenCommand(argc, argv)) return maploc::RunTokenCommand(argc, argv);
   const maploc::CommandLine command_line = maploc::ParseCommandLine(argc, argv);
   if (command_line.exit_code) {
     // Help and version are answers too, which may get lost.

@@ -16,11 +16,16 @@ namespace {
 constexpr char kFooter[] =
     "Each option is also read from the environment (MAPLOC_LISTEN, MAPLOC_IDLE_TIMEOUT, ...) and "
     "from\n"
-    "the configuration file (listen = \"0.0.0.0:50051\"); a flag beats the environment, and that "
+    "the configuration file (listen = \"127.0.0.1:50052\"); a flag beats the environment, and that "
     "the file.\n"
     "\n"
-    "Example:\n"
-    "  maploc-server --store campus.maploc --listen 0.0.0.0:50051\n";
+    "Examples:\n"
+    "  maploc-server --store campus.maploc\n"
+    "  maploc-server --store campus.maploc --listen 0.0.0.0:50051 --tls-cert server.crt --tls-key "
+    "server.key\n"
+    "  maploc-server token create --store campus.maploc --role robot --robot rover-1\n"
+    "\n"
+    "Tokens: maploc-server token --help.\n";
 
 std::string CheckListen(const std::string& listen) {
   const std::size_t colon = listen.rfind(':');
@@ -47,6 +52,19 @@ void AddOptions(CLI::App& app, ServerOptions& options) {
       ->required();
   app.add_option("--listen", options.listen, "HOST:PORT; port 0 lets the system choose")
       ->check(CheckListen);
+  CLI::Option* cert =
+      app.add_option("--tls-cert", options.tls.cert,
+                     "The server's certificate and those up to its authority (PEM); "
+                     "a renewed one is served without a restart");
+  CLI::Option* key =
+      app.add_option("--tls-key", options.tls.key, "The certificate's private key (PEM)")
+          ->needs(cert);
+  cert->needs(key);
+  app.add_option("--tls-client-ca", options.tls.client_ca,
+                 "Authorities (PEM) of which each client must have a certificate")
+      ->needs(cert);
+  app.add_flag("--insecure", options.insecure,
+               "Listen beyond this machine also without TLS, and without asking for tokens");
   app.add_option("--port-file", options.port_file, "The port in use is written here, atomically");
   app.add_option("--metrics-listen", options.metrics_listen,
                  "HOST:PORT of /metrics (Prometheus) and /healthz over HTTP; left out: none")
@@ -94,7 +112,8 @@ std::vector<std::string> WithEnvironment(const CLI::App& app, int argc, const ch
   for (const CLI::Option* option : app.get_options()) {
     const std::string flag = "--" + option->get_single_name();
     const char* value = std::getenv(EnvironmentName(flag).c_str());
-    if (option->get_items_expected_max() == 0 || value == nullptr) continue;
+    const bool is_question = option == app.get_help_ptr() || option == app.get_version_ptr();
+    if (is_question || value == nullptr) continue;
     arguments.push_back(flag + "=" + value);
   }
   arguments.insert(arguments.end(), argv + 1, argv + argc);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "server/app/tls_material.h"
 #include "server/pipeline/localizer.h"
 
 namespace maploc {
@@ -14,6 +15,8 @@ namespace maploc {
 struct ServerOptions {
   std::string store;                       // path of the SQLite file; a missing one is created
   std::string listen = "127.0.0.1:50051";  // HOST:PORT; port 0 lets the system choose
+  TlsFiles tls;                            // tls.cert empty: plain text
+  bool insecure = false;                   // listens beyond loopback also without TLS or tokens
   std::string port_file;                   // empty: none
   std::string metrics_listen;              // HOST:PORT; empty: nobody can watch
   std::string log_level = "info";

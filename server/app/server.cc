@@ -59,6 +59,14 @@ Status ListenerLost(const std::string& address) {
                     " any more, so the server has ended; start it again");
 }
 
+Status Exposed(const std::string& listen) {
+  return InvalidArgument("--listen",
+                         listen +
+                             " can be reached from other machines, and nothing is encrypted; give "
+                             "--tls-cert and --tls-key, listen on 127.0.0.1, or say --insecure",
+                         "INSECURE");
+}
+
 using Handover = grpc::experimental::ExternalConnectionAcceptor;
 
 void HandOver(Handover& handover, int fd) {
@@ -80,14 +88,35 @@ void EnablePlugins() {
 }  // namespace
 
 Server::Server(const ServerOptions& options, std::unique_ptr<MapStore> store,
-               std::optional<ServeLock> lock, std::function<void()> on_lost)
+               std::optional<ServeLock> lock, Credentials credentials,
+               std::function<void()> on_lost)
     : options_(options),
       on_lost_(std::move(on_lost)),
       lock_(std::move(lock)),
-      store_(std::move(store)) {}
+      store_(std::move(store)),
+      credentials_(std::move(credentials)) {}
+
+Result<Server::Credentials> Server::OpenCredentials(const ServerOptions& options) {
+  Credentials credentials;
+  const bool exposed = IsBeyondLoopback(options.listen) && !options.insecure;
+  if (exposed && options.tls.cert.empty()) return Exposed(options.listen);
+  if (!options.tls.cert.empty()) {
+    MAPLOC_ASSIGN_OR_RETURN(credentials.tls, TlsCredentials::Open(options.tls));
+  }
+  MAPLOC_ASSIGN_OR_RETURN(credentials.tokens,
+                          TokenBook::Open(options.store, exposed && options.tls.client_ca.empty()));
+  if (credentials.tokens->IsAskedInVain()) {
+    spdlog::warn(
+        "callers are asked for a token, and there is none yet: make one with "
+        "maploc-server token create --store {}",
+        options.store);
+  }
+  return credentials;
+}
 
 Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options,
                                               std::function<void()> on_lost) {
+  MAPLOC_ASSIGN_OR_RETURN(Credentials credentials, OpenCredentials(options));
   std::error_code none;
   const auto bytes = std::filesystem::file_size(options.store, none);
   // A fresh store is not to be made where nobody will serve it.
@@ -97,8 +126,8 @@ Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options,
   // A port of an earlier run must not be taken for ours.
   if (!options.port_file.empty()) RemovePortFile(options.port_file);
   MAPLOC_ASSIGN_OR_RETURN(std::unique_ptr<MapStore> store, OpenStore(options.store));
-  std::unique_ptr<Server> server(
-      new Server(options, std::move(store), std::move(lock), std::move(on_lost)));
+  std::unique_ptr<Server> server(new Server(options, std::move(store), std::move(lock),
+                                            std::move(credentials), std::move(on_lost)));
   MAPLOC_RETURN_IF_ERROR(server->StartDomain());
   MAPLOC_RETURN_IF_ERROR(server->ListenForScrapes());
   MAPLOC_RETURN_IF_ERROR(server->Listen());
@@ -123,6 +152,7 @@ Status Server::StartDomain() {
   context.sessions = sessions_.get();
   context.maps = maps_.get();
   context.metrics = &metrics_;
+  context.tokens = credentials_.tokens.get();
   context.localizer = options_.localizer;
   context.store_path = options_.store;
   const int workers = Workers(options_);
@@ -134,6 +164,11 @@ Status Server::StartDomain() {
   return Status::Ok();
 }
 
+grpc_server_credentials* Server::NewTransport() {
+  return credentials_.tls != nullptr ? credentials_.tls->New()
+                                     : grpc_insecure_server_credentials_create();
+}
+
 Status Server::Listen() {
   MAPLOC_ASSIGN_OR_RETURN(ListeningSockets sockets, ListenOn(options_.listen));
   EnablePlugins();
@@ -141,7 +176,7 @@ Status Server::Listen() {
   LimitTransport(&connections_, &builder);
   const std::shared_ptr<Handover> handover = builder.experimental().AddExternalConnectionAcceptor(
       grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
-      InsecureLimitedCredentials());
+      LimitedCredentials(NewTransport()));
   services_->Register(&builder);
   std::unique_ptr<grpc::Server> started = builder.BuildAndStart();
   if (started == nullptr) return Internal("gRPC does not start");
@@ -158,7 +193,8 @@ Status Server::Listen() {
     grpc_server_->GetHealthCheckService()->SetServingStatus(name, true);
   }
   TellHealth();
-  spdlog::info("serving {} on port {} with {} workers", options_.store, port_, Workers(options_));
+  spdlog::info("serving {} on port {} ({}) with {} workers", options_.store, port_,
+               credentials_.tls != nullptr ? "TLS" : "plain text", Workers(options_));
   return Status::Ok();
 }
 

@@ -17,11 +17,13 @@
 #include "mapstore/base/status.h"
 #include "mapstore/store/map_store.h"
 #include "mapstore/store/serve_lock.h"
+#include "server/access/token_book.h"
 #include "server/app/acceptor.h"
 #include "server/app/connections.h"
 #include "server/app/memory_return.h"
 #include "server/app/metrics_listener.h"
 #include "server/app/options.h"
+#include "server/app/tls_credentials.h"
 #include "server/app/transport_limits.h"
 #include "server/service/services.h"
 #include "server/sessions/health.h"
@@ -37,6 +39,8 @@ inline constexpr std::chrono::seconds kWriteOutTime{9};
 
 class Server {
  public:
+  // Refuses to listen beyond loopback without TLS unless `insecure` (INVALID_ARGUMENT, INSECURE).
+  // There, without certificates of clients, it asks for tokens; elsewhere where the store has some.
   // Takes the store's lock (refused, it has touched nothing), opens the store (or makes it, where
   // the address is free), sweeps abandoned imports, takes up open sessions, listens, and writes the
   // port file: when it returns ok, the server answers. Errors name the cause and the cure. From
@@ -63,12 +67,18 @@ class Server {
   void WaitForShutdown();
 
  private:
+  struct Credentials {
+    std::unique_ptr<TlsCredentials> tls;  // null: plain text
+    std::unique_ptr<TokenBook> tokens;
+  };
+  static Result<Credentials> OpenCredentials(const ServerOptions& options);
   Server(const ServerOptions& options, std::unique_ptr<MapStore> store,
-         std::optional<ServeLock> lock, std::function<void()> on_lost);
+         std::optional<ServeLock> lock, Credentials credentials, std::function<void()> on_lost);
   Status StartDomain();
   Status Listen();
   Status ListenForScrapes();
   ServerState State();
+  grpc_server_credentials* NewTransport();
   // An error where what was learned is not in the file at the store's path.
   Status WriteOut();
   bool IsStopped();
@@ -86,6 +96,7 @@ class Server {
   ServerMetrics metrics_;
   std::unique_ptr<SessionManager> sessions_;
   std::unique_ptr<MapCache> maps_;
+  const Credentials credentials_;
   std::unique_ptr<Services> services_;
   Connections connections_{MaxConnections()};
   std::unique_ptr<grpc::Server> grpc_server_;

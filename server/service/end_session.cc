@@ -21,6 +21,10 @@ Status Discard(MapStore& store, const SessionId& id) {
 Status HandleEndSession(const ServiceContext& context, const Call& call,
                         const v1::EndSessionRequest& request, v1::EndSessionResponse* response) {
   MAPLOC_ASSIGN_OR_RETURN(const SessionId id, SessionIdFromProto(request));
+  if (call.caller.is_restricted()) {
+    MAPLOC_ASSIGN_OR_RETURN(const Session session, context.store->GetSession(id));
+    MAPLOC_RETURN_IF_ERROR(call.caller.CheckEnd(session));
+  }
   if (request.discard()) MAPLOC_RETURN_IF_ERROR(Discard(*context.store, id));
   MAPLOC_ASSIGN_OR_RETURN(const SessionSummary summary, context.sessions->End(id, call.deadline));
   spdlog::info("session {} has ended: {} of {} queries localized{}", id, summary.localized,

@@ -3,8 +3,9 @@
 
 namespace maploc {
 
-Status HandleGetMap(const ServiceContext& context, const Call&, const v1::GetMapRequest& request,
-                    v1::GetMapResponse* response) {
+Status HandleGetMap(const ServiceContext& context, const Call& call,
+                    const v1::GetMapRequest& request, v1::GetMapResponse* response) {
+  MAPLOC_RETURN_IF_ERROR(call.caller.CheckRead(request.map()));
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*context.store, request.map()));
   MapSummaryToProto(map, response->mutable_map());
   return Status::Ok();

@@ -3,8 +3,9 @@
 
 namespace maploc {
 
-Status HandleGetSegment(const ServiceContext& context, const Call&,
+Status HandleGetSegment(const ServiceContext& context, const Call& call,
                         const v1::GetSegmentRequest& request, v1::GetSegmentResponse* response) {
+  MAPLOC_RETURN_IF_ERROR(call.caller.CheckRead(request.map()));
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*context.store, request.map()));
   const Result<SegmentSummary> segment =
       context.store->GetSegment(map.info.key, request.segment_id());

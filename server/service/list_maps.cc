@@ -3,10 +3,12 @@
 
 namespace maploc {
 
-Status HandleListMaps(const ServiceContext& context, const Call&, const v1::ListMapsRequest&,
+Status HandleListMaps(const ServiceContext& context, const Call& call, const v1::ListMapsRequest&,
                       v1::ListMapsResponse* response) {
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<MapSummary> maps, context.store->ListMaps());
-  for (const MapSummary& map : maps) MapSummaryToProto(map, response->add_maps());
+  for (const MapSummary& map : maps) {
+    if (call.caller.MayRead(map.info.key.name)) MapSummaryToProto(map, response->add_maps());
+  }
   return Status::Ok();
 }
 

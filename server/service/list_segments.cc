@@ -3,9 +3,10 @@
 
 namespace maploc {
 
-Status HandleListSegments(const ServiceContext& context, const Call&,
+Status HandleListSegments(const ServiceContext& context, const Call& call,
                           const v1::ListSegmentsRequest& request,
                           v1::ListSegmentsResponse* response) {
+  MAPLOC_RETURN_IF_ERROR(call.caller.CheckRead(request.map()));
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*context.store, request.map()));
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments,
                           context.store->ListSegments(map.info.key));

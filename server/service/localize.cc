@@ -57,7 +57,10 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   if (!query.session.empty()) {
     MAPLOC_ASSIGN_OR_RETURN(SessionManager::Lease entered, context.sessions->Enter(query.session));
     lease.emplace(std::move(entered));
+    MAPLOC_RETURN_IF_ERROR(call.caller.CheckLocalizeIn(lease->session()));
     MAPLOC_RETURN_IF_ERROR(CheckMap(query, lease->session()));
+  } else {
+    MAPLOC_RETURN_IF_ERROR(call.caller.CheckLocalize(query.map));
   }
   MAPLOC_ASSIGN_OR_RETURN(MapCache::Snapshot map, MapOf(context, query, lease));
   const double load_ms = MillisecondsSince(start, *context.clock) - convert_ms;

@@ -7,6 +7,8 @@
 
 #include "mapstore/base/clock.h"
 #include "mapstore/store/map_store.h"
+#include "server/access/caller.h"
+#include "server/access/token_book.h"
 #include "server/pipeline/localizer.h"
 #include "server/service/metrics.h"
 #include "server/sessions/map_cache.h"
@@ -20,6 +22,7 @@ struct ServiceContext {
   SessionManager* sessions = nullptr;
   MapCache* maps = nullptr;
   ServerMetrics* metrics = nullptr;
+  TokenBook* tokens = nullptr;
   const Clock* clock = &SystemClock();
   LocalizerOptions localizer;
   std::string store_path;  // what robots are not told
@@ -29,6 +32,7 @@ struct ServiceContext {
 struct Call {
   Deadline deadline = kNoDeadline;
   const std::atomic<bool>* cancelled = nullptr;  // set when the client has gone; may be null
+  Caller caller;                                 // what it may do, each handler asks
 };
 
 }  // namespace maploc

@@ -5,10 +5,11 @@
 
 namespace maploc {
 
-Status HandleStartSession(const ServiceContext& context, const Call&,
+Status HandleStartSession(const ServiceContext& context, const Call& call,
                           const v1::StartSessionRequest& request,
                           v1::StartSessionResponse* response) {
   MAPLOC_ASSIGN_OR_RETURN(SessionRequest wanted, SessionRequestFromProto(request));
+  MAPLOC_RETURN_IF_ERROR(call.caller.CheckStart(wanted.map, wanted.robot));
   // In memory before the first query, which then does not pay for the loading.
   MAPLOC_ASSIGN_OR_RETURN(const MapCache::Snapshot map, context.maps->Enabled(wanted.map));
   MAPLOC_ASSIGN_OR_RETURN(const Session session,

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -35,6 +36,13 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
                                          const grpc::ByteBuffer* request,
                                          grpc::ByteBuffer* response) {
     auto* call = new UnaryCall(services, handler, context, request, response);
+    // Before it waits: who is nobody takes no place in a queue.
+    Result<Caller> caller = services.tokens->Authenticate(Authorization(*context));
+    if (!caller.ok()) {
+      call->FinishWith(caller.status());
+      return call;
+    }
+    call->caller_ = *std::move(caller);
     const WorkerPool::Admission admission = pool.Submit(
         context->peer(),
         {request->Length(), [call] { call->Run(); }, [call] { call->FinishWith(QueueFull()); }});
@@ -60,6 +68,12 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
   static std::string MethodName() {
     const std::string name = Request::descriptor()->name();
     return name.substr(0, name.size() - std::string_view("Request").size());
+  }
+
+  static std::optional<std::string_view> Authorization(const grpc::CallbackServerContext& context) {
+    const auto found = context.client_metadata().find("authorization");
+    if (found == context.client_metadata().end()) return std::nullopt;
+    return std::string_view(found->second.data(), found->second.size());
   }
 
   static Deadline SteadyDeadline(const grpc::CallbackServerContext& context) {
@@ -96,7 +110,8 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
     }
     const WaitLimit limit(deadline_ - kAnswerTime, &cancelled_);
     Response response;
-    MAPLOC_RETURN_IF_ERROR(handler_(services_, {deadline_, &cancelled_}, request, &response));
+    MAPLOC_RETURN_IF_ERROR(
+        handler_(services_, {deadline_, &cancelled_, caller_}, request, &response));
     bool owned = false;
     return grpc::SerializationTraits<Response>::Serialize(response, response_, &owned).ok()
                ? Status::Ok()
@@ -118,6 +133,7 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
   grpc::ByteBuffer* const response_;
   const std::chrono::steady_clock::time_point arrived_ = std::chrono::steady_clock::now();
   const Deadline deadline_;
+  Caller caller_;
   std::atomic<bool> cancelled_ = false;
 };
 

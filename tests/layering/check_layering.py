@@ -29,7 +29,8 @@ MAY_INCLUDE = {
     "server/retrieval": ["mapstore/descriptors"],
     "server/pipeline": ["server/trust", "server/matching", "server/retrieval"],
     "server/sessions": ["server/pipeline", "mapstore/store"],
-    "server/service": ["server/pipeline", "server/sessions", "proto/convert"],
+    "server/access": ["mapstore/store"],
+    "server/service": ["server/access", "server/pipeline", "server/sessions", "proto/convert"],
     "server/app": ["server/service"],
     "client/api": ["proto/convert", "mapstore/model"],
     "client/robot": ["client/api", "mapstore/features", "mapstore/formats"],
@@ -42,6 +43,7 @@ CONFINED = [
     (r"grpc(pp|\+\+)?/.*|.*\.grpc\.pb\.h", r"(server/service|server/app|client/api|tests)/"),
     (r"maploc/v1/.*\.pb\.h", r"(server/service|server/app|client/api|proto/convert|tests)/"),
     (r"ceres/.*", r"(server/refinement|tests)/|mapstore/importers/[^/]*triangulat[^/]*$"),
+    (r"openssl/.*", r"server/app/tls_material\.cc$|server/access/token\.cc$|tests/"),
     (r"opencv2/.*", r"(mapstore/features|client|tests)/"),
 ]
 

@@ -111,6 +111,7 @@ TEST_P(ListenTest, IsReached) {
   ServerOptions options;
   options.store = folder.File("store");
   options.listen = GetParam() + ":0";
+  options.insecure = true;
   Result<std::unique_ptr<Server>> server = Server::Start(options);
   ASSERT_TRUE(server.ok()) << server.status().ToString();
   const std::string port = ":" + std::to_string((*server)->port());
@@ -133,6 +134,7 @@ TEST(ListenerTest, AHostThatIsNotThisMachinesIsRefused) {
   const TemporaryFolder folder;
   ServerOptions options;
   options.store = folder.File("store");
+  options.insecure = true;
   for (const char* listen : {"192.0.2.1:0", "no-such-host.invalid:0"}) {
     options.listen = listen;
     EXPECT_EQ(Server::Start(options).status().reason(), "CANNOT_LISTEN") << listen;

@@ -12,7 +12,10 @@ namespace {
 
 class OptionsTest : public ::testing::Test {
  protected:
-  ~OptionsTest() override { unsetenv("MAPLOC_LISTEN"); }
+  ~OptionsTest() override {
+    unsetenv("MAPLOC_LISTEN");
+    unsetenv("MAPLOC_INSECURE");
+  }
 
   static CommandLine Parse(std::vector<const char*> arguments) {
     arguments.insert(arguments.begin(), "maploc-server");
@@ -50,11 +53,21 @@ TEST_F(OptionsTest, SizesMayHaveUnits) {
   }
 }
 
+TEST_F(OptionsTest, AFlagWithoutAValueIsReadFromTheEnvironmentToo) {
+  EXPECT_FALSE(Parse({"--store", "s"}).options.insecure);
+  setenv("MAPLOC_INSECURE", "true", 1);
+  EXPECT_TRUE(Parse({"--store", "s"}).options.insecure);
+  setenv("MAPLOC_INSECURE", "false", 1);
+  EXPECT_FALSE(Parse({"--store", "s"}).options.insecure);
+}
+
 TEST_F(OptionsTest, WrongUsageIsTwoAndUnusableFilesAreOne) {
   EXPECT_EQ(Parse({}).exit_code, 2);
   EXPECT_EQ(Parse({"--store", "s", "--nonsense"}).exit_code, 2);
   EXPECT_EQ(Parse({"--store", "s", "--workers", "many"}).exit_code, 2);
   EXPECT_EQ(Parse({"--store", "s", "--listen", "localhost"}).exit_code, 2);
+  EXPECT_EQ(Parse({"--store", "s", "--tls-cert", "c"}).exit_code, 2);
+  EXPECT_EQ(Parse({"--store", "s", "--tls-client-ca", "c"}).exit_code, 2);
   EXPECT_EQ(Parse({"--store", "s", "--listen", "localhost:65536"}).exit_code, 2);
   EXPECT_EQ(Parse({"--store", "s", "--config", "missing.toml"}).exit_code, 1);
   EXPECT_EQ(Parse({"--store", "s", "--config", Config("nonsense = 1\n").c_str()}).exit_code, 1);

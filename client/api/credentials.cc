@@ -1,0 +1,73 @@
+#include "client/api/credentials.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+namespace maploc {
+namespace {
+
+constexpr std::size_t kMaxFileBytes = 1 << 20;
+constexpr std::size_t kMaxTokenBytes = 4096;
+
+Status Refuse(const std::string& what, const std::string& why) {
+  return InvalidArgument(what, why, "CREDENTIALS_INVALID");
+}
+
+Result<std::string> ReadBounded(const std::string& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(kMaxFileBytes + 1, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!file.is_open() || file.bad()) {
+    return Refuse(path, std::string("cannot be read (") + std::strerror(errno) + ")");
+  }
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  if (bytes.size() > kMaxFileBytes) return Refuse(path, "has more than 1 MiB");
+  return bytes;
+}
+
+// gRPC's word for a file that is no PEM is that the server cannot be reached.
+Result<std::string> ReadPem(const std::string& path, const char* what) {
+  if (path.empty()) return std::string();
+  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadBounded(path));
+  const std::size_t begin = pem.find("-----BEGIN ");
+  const std::string line = pem.substr(std::min(begin, pem.size()), 64);
+  if (line.find(what) != std::string::npos) return pem;
+  return Refuse(path, std::string("holds no PEM that begins with BEGIN ") + what);
+}
+
+Result<std::string> ReadToken(const std::string& path) {
+  if (path.empty()) return std::string();
+  MAPLOC_ASSIGN_OR_RETURN(std::string token, ReadBounded(path));
+  while (token.ends_with('\n') || token.ends_with('\r')) token.pop_back();
+  MAPLOC_RETURN_IF_ERROR(CheckTokenText(path, token));
+  return token;
+}
+
+}  // namespace
+
+Status CheckTokenText(const std::string& source, const std::string& token) {
+  const bool printable = std::ranges::all_of(token, [](char c) { return c > ' ' && c <= '~'; });
+  if (printable && !token.empty() && token.size() <= kMaxTokenBytes) return Status::Ok();
+  return Refuse(source,
+                "holds no token; it must be the line that maploc-server token create prints");
+}
+
+Result<ClientCredentials> ReadCredentials(const CredentialFiles& files) {
+  if (files.cert.empty() != files.key.empty()) {
+    return Refuse("--cert", "a certificate and its key come together; give --cert and --key");
+  }
+  if (files.ca.empty() && !files.cert.empty()) {
+    return Refuse("--cert", "is of no use without TLS; give --ca");
+  }
+  ClientCredentials credentials;
+  MAPLOC_ASSIGN_OR_RETURN(credentials.ca_pem, ReadPem(files.ca, "CERTIFICATE"));
+  MAPLOC_ASSIGN_OR_RETURN(credentials.cert_pem, ReadPem(files.cert, "CERTIFICATE"));
+  MAPLOC_ASSIGN_OR_RETURN(credentials.key_pem, ReadPem(files.key, "PRIVATE KEY"));
+  MAPLOC_ASSIGN_OR_RETURN(credentials.token, ReadToken(files.token));
+  return credentials;
+}
+
+}  // namespace maploc

@@ -1,0 +1,44 @@
+// TLS for the server's connections. The files are looked at for each new connection: a renewed
+// certificate is served without a restart, and open connections stay.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include <grpc/grpc_security.h>
+
+#include "mapstore/base/status.h"
+#include "mapstore/store/file_state.h"
+#include "server/app/tls_material.h"
+
+namespace maploc {
+
+// Thread-safe.
+class TlsCredentials {
+ public:
+  // Errors are ReadTlsMaterial's.
+  static Result<std::unique_ptr<TlsCredentials>> Open(const TlsFiles& files);
+
+  // TLS 1.2 or newer; with `files.client_ca` a client without a certificate of these authorities
+  // gets no connection. The caller releases it. REQUIRES: this object outlives the last connection
+  // that is accepted with it.
+  grpc_server_credentials* New();
+
+ private:
+  using States = std::array<std::optional<FileState>, 3>;
+
+  explicit TlsCredentials(TlsFiles files);
+  static grpc_ssl_certificate_config_reload_status Fetch(
+      void* credentials, grpc_ssl_server_certificate_config** config);
+  // What is new since the last call; nullopt: nothing that fits. New files that do not (a renewal
+  // that is half done) are told in the log, and the ones before serve on.
+  std::optional<TlsMaterial> Changed();
+
+  const TlsFiles files_;
+  std::mutex mutex_;
+  std::optional<States> seen_;
+};
+
+}  // namespace maploc

@@ -1,0 +1,115 @@
+#include "server/app/tls_material.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <memory>
+
+#include <openssl/bio.h>
+#include <openssl/err.h>
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
+
+namespace maploc {
+namespace {
+
+constexpr std::size_t kMaxFileBytes = 1 << 20;
+
+template <auto Free>
+struct FreeWith {
+  template <class T>
+  void operator()(T* object) const {
+    Free(object);
+  }
+};
+using Bio = std::unique_ptr<BIO, FreeWith<BIO_free_all>>;
+using Certificate = std::unique_ptr<X509, FreeWith<X509_free>>;
+using Key = std::unique_ptr<EVP_PKEY, FreeWith<EVP_PKEY_free>>;
+
+Status Refuse(const std::string& file, const char* reason, const std::string& why) {
+  return InvalidArgument(file, why, reason);
+}
+
+Result<std::string> ReadBounded(const std::string& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(kMaxFileBytes + 1, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!file.is_open() || file.bad()) {
+    return Refuse(path, "TLS_FILE_UNREADABLE",
+                  std::string("cannot be read (") + std::strerror(errno) +
+                      "); give a PEM file that this program may read");
+  }
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  if (bytes.size() <= kMaxFileBytes) return bytes;
+  return Refuse(path, "TLS_FILE_UNREADABLE", "has more than 1 MiB, which no PEM file needs");
+}
+
+Bio Reader(const std::string& pem) {
+  return Bio(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
+}
+
+// Else OpenSSL asks whoever sits at the terminal.
+int NoPassphrase(char*, int, int, void*) { return 0; }
+
+// The first of `pem`; null: it holds none.
+Certificate FirstCertificate(const std::string& pem) {
+  Certificate certificate(PEM_read_bio_X509(Reader(pem).get(), nullptr, NoPassphrase, nullptr));
+  ERR_clear_error();
+  return certificate;
+}
+
+Key PrivateKey(const std::string& pem) {
+  Key key(PEM_read_bio_PrivateKey(Reader(pem).get(), nullptr, NoPassphrase, nullptr));
+  ERR_clear_error();
+  return key;
+}
+
+Result<std::string> ReadCertificates(const std::string& path) {
+  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadBounded(path));
+  if (FirstCertificate(pem) != nullptr) return pem;
+  return Refuse(path, "TLS_FILE_INVALID",
+                "holds no certificate; it must be PEM and begin with BEGIN CERTIFICATE");
+}
+
+Result<std::string> ReadKey(const std::string& path) {
+  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadBounded(path));
+  if (PrivateKey(pem) != nullptr) return pem;
+  return Refuse(path, "TLS_FILE_INVALID",
+                "holds no private key that can be read; it must be PEM and not encrypted (openssl "
+                "pkey -in OLD -out NEW)");
+}
+
+Status CheckDates(const std::string& path, const X509& certificate) {
+  if (X509_cmp_current_time(X509_get0_notAfter(&certificate)) < 0) {
+    return Refuse(path, "TLS_CERTIFICATE_EXPIRED", "the certificate has expired; renew it");
+  }
+  if (X509_cmp_current_time(X509_get0_notBefore(&certificate)) > 0) {
+    return Refuse(path, "TLS_CERTIFICATE_EXPIRED",
+                  "the certificate is not valid yet; is this machine's clock right?");
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+Result<TlsMaterial> ReadTlsMaterial(const TlsFiles& files) {
+  TlsMaterial material;
+  MAPLOC_ASSIGN_OR_RETURN(material.cert_chain_pem, ReadCertificates(files.cert));
+  MAPLOC_ASSIGN_OR_RETURN(material.key_pem, ReadKey(files.key));
+  if (!files.client_ca.empty()) {
+    MAPLOC_ASSIGN_OR_RETURN(material.client_ca_pem, ReadCertificates(files.client_ca));
+  }
+  const Certificate certificate = FirstCertificate(material.cert_chain_pem);
+  if (X509_check_private_key(certificate.get(), PrivateKey(material.key_pem).get()) != 1) {
+    ERR_clear_error();
+    return Refuse(files.key, "TLS_KEY_MISMATCH",
+                  "is not the key of the certificate " + files.cert +
+                      "; give the two files that were made together");
+  }
+  MAPLOC_RETURN_IF_ERROR(CheckDates(files.cert, *certificate));
+  return material;
+}
+
+}  // namespace maploc
