@@ -205,6 +205,10 @@ Status Server::ListenForScrapes() {
       MetricsListener::Start(options_.metrics_listen, {[this] { return metrics_.Text(State()); },
                                                        [this] { return State().healthy; }}));
   spdlog::info("metrics on port {}", metrics_listener_->port());
+  if (IsBeyondLoopback(options_.metrics_listen)) {
+    spdlog::warn("{} can be reached from other machines: they can read the metrics, and map names",
+                 options_.metrics_listen);
+  }
   return Status::Ok();
 }
 
