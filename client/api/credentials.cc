@@ -1,37 +1,23 @@
 #include "client/api/credentials.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
+
+#include "mapstore/base/small_file.h"
 
 namespace maploc {
 namespace {
 
-constexpr std::size_t kMaxFileBytes = 1 << 20;
+constexpr char kReason[] = "CREDENTIALS_INVALID";
 constexpr std::size_t kMaxTokenBytes = 4096;
 
 Status Refuse(const std::string& what, const std::string& why) {
-  return InvalidArgument(what, why, "CREDENTIALS_INVALID");
-}
-
-Result<std::string> ReadBounded(const std::string& path) {
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(kMaxFileBytes + 1, '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!file.is_open() || file.bad()) {
-    return Refuse(path, std::string("cannot be read (") + std::strerror(errno) + ")");
-  }
-  bytes.resize(static_cast<std::size_t>(file.gcount()));
-  if (bytes.size() > kMaxFileBytes) return Refuse(path, "has more than 1 MiB");
-  return bytes;
+  return InvalidArgument(what, why, kReason);
 }
 
 // gRPC's word for a file that is no PEM is that the server cannot be reached.
 Result<std::string> ReadPem(const std::string& path, const char* what) {
   if (path.empty()) return std::string();
-  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadBounded(path));
+  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadSmallFile(path, kReason));
   const std::size_t begin = pem.find("-----BEGIN ");
   const std::string line = pem.substr(std::min(begin, pem.size()), 64);
   if (line.find(what) != std::string::npos) return pem;
@@ -40,7 +26,7 @@ Result<std::string> ReadPem(const std::string& path, const char* what) {
 
 Result<std::string> ReadToken(const std::string& path) {
   if (path.empty()) return std::string();
-  MAPLOC_ASSIGN_OR_RETURN(std::string token, ReadBounded(path));
+  MAPLOC_ASSIGN_OR_RETURN(std::string token, ReadSmallFile(path, kReason));
   while (token.ends_with('\n') || token.ends_with('\r')) token.pop_back();
   MAPLOC_RETURN_IF_ERROR(CheckTokenText(path, token));
   return token;

@@ -1,8 +1,5 @@
 #include "server/app/tls_material.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <memory>
 
 #include <openssl/bio.h>
@@ -11,10 +8,10 @@
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 
+#include "mapstore/base/small_file.h"
+
 namespace maploc {
 namespace {
-
-constexpr std::size_t kMaxFileBytes = 1 << 20;
 
 template <auto Free>
 struct FreeWith {
@@ -29,21 +26,6 @@ using Key = std::unique_ptr<EVP_PKEY, FreeWith<EVP_PKEY_free>>;
 
 Status Refuse(const std::string& file, const char* reason, const std::string& why) {
   return InvalidArgument(file, why, reason);
-}
-
-Result<std::string> ReadBounded(const std::string& path) {
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(kMaxFileBytes + 1, '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!file.is_open() || file.bad()) {
-    return Refuse(path, "TLS_FILE_UNREADABLE",
-                  std::string("cannot be read (") + std::strerror(errno) +
-                      "); give a PEM file that this program may read");
-  }
-  bytes.resize(static_cast<std::size_t>(file.gcount()));
-  if (bytes.size() <= kMaxFileBytes) return bytes;
-  return Refuse(path, "TLS_FILE_UNREADABLE", "has more than 1 MiB, which no PEM file needs");
 }
 
 Bio Reader(const std::string& pem) {
@@ -67,14 +49,14 @@ Key PrivateKey(const std::string& pem) {
 }
 
 Result<std::string> ReadCertificates(const std::string& path) {
-  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadBounded(path));
+  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadSmallFile(path, "TLS_FILE_UNREADABLE"));
   if (FirstCertificate(pem) != nullptr) return pem;
   return Refuse(path, "TLS_FILE_INVALID",
                 "holds no certificate; it must be PEM and begin with BEGIN CERTIFICATE");
 }
 
 Result<std::string> ReadKey(const std::string& path) {
-  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadBounded(path));
+  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadSmallFile(path, "TLS_FILE_UNREADABLE"));
   if (PrivateKey(pem) != nullptr) return pem;
   return Refuse(path, "TLS_FILE_INVALID",
                 "holds no private key that can be read; it must be PEM and not encrypted (openssl "
