@@ -11,11 +11,12 @@
 namespace maploc {
 namespace {
 
+// Of the answer's clear matches: as many as make another pose's inliers a doubt (UnlessTwin).
 constexpr double kTwinShare = 0.4;
 constexpr float kClearRatio = 0.75f;
 constexpr std::size_t kMostTwins = 2;
 // Of the inlier threshold. A place that was mapped twice is not mapped alike; of another place's
-// landmarks one in 400 lies as near by chance.
+// landmarks one in 240 lies as near by chance (20 pixels of a VGA-sized image).
 constexpr double kNear = 5.0;
 
 bool IsClear(const FeatureMatch& match) { return match.ratio < kClearRatio; }
@@ -33,8 +34,11 @@ class SeenFromAnswer {
   // Whether the matched landmark is near the matched feature.
   bool Explains(const FeatureMatch& match) const {
     const LandmarkId id = places_.IdOf(match.landmark);
-    const auto found = std::ranges::lower_bound(points_.ids, id) - points_.ids.begin();
-    const auto pixel = view_.camera.Project(camera_from_map_ * points_.positions_in_map[found]);
+    const auto found = std::ranges::lower_bound(points_.ids, id);
+    // The place index is kept beside the segment, and read apart from it.
+    if (found == points_.ids.end() || *found != id) return false;
+    const Eigen::Vector3d& point_in_map = points_.positions_in_map[found - points_.ids.begin()];
+    const auto pixel = view_.camera.Project(camera_from_map_ * point_in_map);
     const Eigen::Vector2d feature_px = view_.points.keypoints_px[match.feature].cast<double>();
     return pixel && (*pixel - feature_px).norm() < radius_px_;
   }
