@@ -1,6 +1,7 @@
 // HTTP for those who watch: `/metrics` (Prometheus' text) and `/healthz` (200 while the server is
-// healthy, else 503). Reads alone, by two threads of its own, so that a scrape never waits for a
-// query. Not encrypted, and without credentials: meant for loopback or an operator's network.
+// healthy, else 503). Reads alone, by threads of its own, so that a scrape never waits for a
+// query. Its end takes two seconds (civetweb's). Not encrypted, and without credentials: meant for
+// loopback or an operator's network.
 #pragma once
 
 #include <functional>

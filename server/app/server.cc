@@ -1,6 +1,7 @@
 #include "server/app/server.h"
 
 #include <filesystem>
+#include <future>
 #include <optional>
 #include <thread>
 
@@ -256,9 +257,13 @@ Status Server::Shutdown() {
     grpc_server_->Shutdown(std::chrono::system_clock::now() + kTimeOfWatchers);
     grpc_server_->Wait();
   }
+  // Nobody is answered any more. Meanwhile, because it takes two seconds.
+  const std::future<void> scrapes_end =
+      std::async(std::launch::async, [this] { metrics_listener_.reset(); });
   const WaitLimit limit(begin + kWriteOutTime);
   Status status = WriteOut().WithContext("statistics are not on disk");
   if (!options_.port_file.empty()) RemovePortFile(options_.port_file);
+  scrapes_end.wait();  // who waits for the stop may destroy the server
   {
     const std::lock_guard lock(mutex_);
     if (status.ok() && listener_lost_) status = ListenerLost(options_.listen);
@@ -295,8 +300,7 @@ Server::~Server() {
   if (const Status status = Shutdown(); !status.ok() && !told) {
     spdlog::error("{}", status.ToString());
   }
-  // In this order: who asks first, then what they use.
-  metrics_listener_.reset();
+  // In this order: calls first, then what they use.
   grpc_server_.reset();
   services_.reset();
   maps_.reset();
