@@ -1,9 +1,13 @@
 // What an operator's Prometheus sees of a server.
+#include <cerrno>
 #include <map>
 #include <sstream>
 
 #include <civetweb.h>
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "tests/integration/service/service_fixture.h"
 #include "tests/support/wait_for.h"
@@ -91,6 +95,27 @@ TEST_F(MetricsTest, HealthIsThatOfTheServer) {
   std::filesystem::remove(folder_.File("store"));  // what it learns from now on would be lost
   EXPECT_TRUE(WaitFor([&] { return Get("/healthz").code == 503; }));
   EXPECT_EQ(Scrape()["maploc_healthy"], 0);
+}
+
+// A supervisor ends a server whose health nobody tells.
+TEST_F(MetricsTest, AProbeDoesNotWaitForThoseWhoSendNothing) {
+  sockaddr_in address = {};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(server_->metrics_port()));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::vector<int> silent;
+  for (int i = 0; i < 20; ++i) {
+    silent.push_back(socket(AF_INET, SOCK_STREAM, 0));
+    ASSERT_EQ(connect(silent.back(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  }
+  EXPECT_EQ(Get("/healthz").code, 200);
+  int still_open = 0;
+  for (const int fd : silent) {
+    char byte = 0;
+    still_open += recv(fd, &byte, 1, MSG_DONTWAIT) < 0 && errno == EAGAIN ? 1 : 0;
+    close(fd);
+  }
+  EXPECT_GT(still_open, 10) << "the probe was answered after they were given up";
 }
 
 TEST_F(MetricsTest, NothingElseIsServed) {
