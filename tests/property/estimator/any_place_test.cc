@@ -108,7 +108,7 @@ TEST(AnyPlace, AMapOfACentimetreAndOneOfAKilometreAreAlike) {
   }
 }
 
-TEST(AnyPlace, FiveHundredKilometresFromTheOriginAreNoOtherPlace) {
+TEST(AnyPlace, AMapFarFromTheOriginIsLocalizedAsWell) {
   Random random = TestRandom();
   std::vector<Answer> near;
   std::vector<Answer> far;

@@ -45,7 +45,10 @@ TEST(AgreeingByRepetition, LeavesOutExchangedFeaturesAndKeepsPatterns) {
   EXPECT_EQ(AgreeingByRepetition(sparse), 3) << "too few to tell: the safe side";
 }
 
-TEST(ConfidenceOf, FallsWithFalseAlarmsAndIsTheBarWhereTheCalibrationHasIt) {
+// What a robot relies on: more false alarms never mean more confidence, and nothing is certain.
+// Whether the values are right is measured (server/trust/MEASUREMENTS.md) and asked of whole
+// queries (tests/property/estimator/trust_test.cc).
+TEST(ConfidenceOf, FallsWithFalseAlarmsAndIsNeverCertain) {
   double last = 1.0;
   for (double log_alarms = -14; log_alarms < 5; log_alarms += 0.1) {
     const double confidence = ConfidenceOf(log_alarms);
@@ -54,9 +57,7 @@ TEST(ConfidenceOf, FallsWithFalseAlarmsAndIsTheBarWhereTheCalibrationHasIt) {
     EXPECT_LT(confidence, 1.0);
     last = confidence;
   }
-  EXPECT_GE(ConfidenceOf(-5.5), 0.99);
-  EXPECT_LT(ConfidenceOf(-5.4), 0.99);
-  EXPECT_LT(ConfidenceOf(3.0), 0.05);
+  EXPECT_LT(ConfidenceOf(0.0), 0.9) << "one pose as good is expected by chance";
 }
 
 // Of the same matches and pose, what gravity supports and what it does not. The fewest inliers that
