@@ -5,7 +5,6 @@
 
 #include "mapstore/descriptors/distance_kernels.h"
 
-#define HWY_WANT_AVX3_DL
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "mapstore/descriptors/keep_nearest.cc"
 #include <hwy/foreach_target.h>

@@ -3,8 +3,6 @@
 #include <bit>
 #include <cstring>
 
-// As distance_kernels.cc: the same instruction sets.
-#define HWY_WANT_AVX3_DL
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "mapstore/descriptors/pair_distance.cc"
 #include <hwy/foreach_target.h>
