@@ -44,7 +44,7 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
     }
     call->caller_ = *std::move(caller);
     const WorkerPool::Admission admission = pool.Submit(
-        context->peer(),
+        call->Share(),
         {request->Length(), [call] { call->Run(); }, [call] { call->FinishWith(QueueFull()); }});
     if (admission == WorkerPool::Admission::kFull) {
       call->FinishWith(QueueFull());
@@ -74,6 +74,13 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
     const auto found = context.client_metadata().find("authorization");
     if (found == context.client_metadata().end()) return std::nullopt;
     return std::string_view(found->second.data(), found->second.size());
+  }
+
+  // Whose share of the queue it takes: a robot that names itself by a token has one, on however
+  // many connections; anybody else one a connection.
+  std::string Share() const {
+    const std::string robot = caller_.robot();
+    return robot.empty() ? context_->peer() : "robot " + robot;
   }
 
   static Deadline SteadyDeadline(const grpc::CallbackServerContext& context) {

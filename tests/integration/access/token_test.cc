@@ -1,5 +1,8 @@
 // What a token allows, and what is refused with which code.
+#include <atomic>
 #include <chrono>
+#include <thread>
+#include <vector>
 
 #include <grpcpp/grpcpp.h>
 
@@ -55,6 +58,33 @@ TEST_F(TokenTest, ARevokedTokenStopsWithinASecondAndNeverOpensTheServer) {
   std::filesystem::remove(TokenFile(options_.store).path());
   std::this_thread::sleep_for(2 * TokenBook::kLookEvery);  // it is looked at, and nothing follows
   EXPECT_EQ(Code(Connect().ListMaps().status()), "UNAUTHENTICATED TOKEN_MISSING");
+}
+
+// Also not by more connections: its token names it.
+TEST_F(TokenTest, AGreedyRobotTakesNoOtherRobotsShareOfTheQueue) {
+  options_.workers = 1;
+  options_.queue = 4;
+  const std::string greedy = NewToken(Role::kRobot, "greedy");
+  const std::string other = NewToken(Role::kRobot, "polite");
+  StartServer();
+  const Client polite = ConnectAs(other);
+  const Query query = QueryIn("");
+  std::atomic<bool> enough = false;
+  std::atomic<int> refused = 0;
+  std::vector<std::thread> connections;
+  for (int i = 0; i < 8; ++i) {
+    connections.emplace_back([&] {
+      const Client client = ConnectAs(greedy);
+      while (!enough) refused += client.Localize(query).ok() ? 0 : 1;
+    });
+  }
+  EXPECT_TRUE(WaitFor([&refused] { return refused > 0; })) << "the queue is full";
+  for (int i = 0; i < 20; ++i) {
+    const Status answered = polite.Localize(query).status();
+    EXPECT_TRUE(answered.ok()) << answered.ToString();
+  }
+  enough = true;
+  for (std::thread& connection : connections) connection.join();
 }
 
 TEST_F(TokenTest, ARobotWorksUnderItsNameOnItsMapsInItsSessions) {
