@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "client/api/client.h"
 #include "tests/integration/bounded/raw_connection.h"
@@ -12,8 +13,19 @@ namespace maploc::testing {
 namespace {
 
 constexpr std::chrono::seconds kGoneWithin{120};
+constexpr int kConnections = 2000;
+
+// This process has a descriptor for each of them.
+void RaiseDescriptorLimit() {
+  rlimit limit;
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &limit), 0);
+  ASSERT_GE(limit.rlim_max, kConnections + 100u);
+  limit.rlim_cur = limit.rlim_max;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &limit), 0);
+}
 
 TEST(VanishedTest, SilentConnectionsAreEndedAndAnIdleRobotSeesNoError) {
+  ASSERT_NO_FATAL_FAILURE(RaiseDescriptorLimit());
   const TemporaryFolder folder;
   ServerProcess server(folder);
   const std::string address = server.Start();
@@ -21,7 +33,7 @@ TEST(VanishedTest, SilentConnectionsAreEndedAndAnIdleRobotSeesNoError) {
   const Client idle(address);
   ASSERT_TRUE(idle.ListMaps().ok());
   std::vector<RawConnection> silent;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < kConnections; ++i) {
     silent.emplace_back(port);
     // Every other one begins as HTTP/2 does, and answers no ping.
     if (i % 2 == 1) {
