@@ -102,7 +102,10 @@ Status DeleteImport(SqliteConnections& connections, std::int64_t map, ImportOwne
       return writer.Commit();
     }
     const std::int64_t segment = find.Int("first");
+    // States, checkpoints and weights are there if the import ended after Inherit. All rows that
+    // refer to the segment go before it, because SQLite checks foreign keys at each statement.
     for (const char* sql : {"DELETE FROM segment_states WHERE map = ?1 AND segment = ?2",
+                            "DELETE FROM segment_folds WHERE map = ?1 AND segment = ?2",
                             "DELETE FROM inheritance WHERE map = ?1 AND segment = ?2",
                             "DELETE FROM segment_features WHERE map = ?1 AND segment = ?2",
                             "DELETE FROM segment_places WHERE map = ?1 AND segment = ?2",
