@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "mapstore/store/beside_store.h"
 #include "mapstore/store/import_lock.h"
 #include "mapstore/store/restore.h"
 #include "mapstore/store/serve_lock.h"
@@ -53,7 +54,8 @@ Result<ServeLock> LockOut(const std::string& store) {
 Result<SqliteDatabase> OpenSource(const std::string& from) {
   MAPLOC_RETURN_IF_ERROR(CheckStoreFile(from));
   std::error_code none;
-  const auto log_bytes = fs::file_size(from + "-wal", none);
+  // The log lies beside the file itself, which `from` may name by a link.
+  const auto log_bytes = fs::file_size(BesideStore(from, "-wal"), none);
   const bool has_log = !none && log_bytes > 0;
   return SqliteDatabase::Open(from, has_log ? SqliteAccess::kRead : SqliteAccess::kFileAlone,
                               kBusyTimeoutMs);
