@@ -55,6 +55,8 @@ Status CopyStore(SqliteDatabase& source, const std::string& to) {
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase target,
                           SqliteDatabase::Open(to, SqliteAccess::kCreate, kNobodyElseIsThere));
   MAPLOC_RETURN_IF_ERROR(CopyPages(source, target));
+  // A file that is read without locks may have changed between two pages.
+  MAPLOC_RETURN_IF_ERROR(source.CheckUnchanged());
   // So that it cannot be taken for the store itself, nor the store's log for its own.
   return RenewStamp(target);
 }
