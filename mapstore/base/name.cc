@@ -18,7 +18,9 @@ bool IsControl(utf8proc_int32_t code_point) {
     case UTF8PROC_CATEGORY_ZL:
     case UTF8PROC_CATEGORY_ZP:
       return true;
-    case UTF8PROC_CATEGORY_CF:  // among them those that turn the direction of writing
+    // Format characters: among them are those that turn the direction of writing. Scripts and emoji
+    // need the two joiners.
+    case UTF8PROC_CATEGORY_CF:
       return code_point != kZeroWidthNonJoiner && code_point != kZeroWidthJoiner;
     default:
       return false;

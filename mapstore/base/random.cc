@@ -16,10 +16,12 @@ std::uint64_t SplitMix64(std::uint64_t& state) {
 }  // namespace
 
 Random::Random(std::uint64_t seed) {
+  // xoshiro must not start with zeros alone. SplitMix64 never gives four zeros in a row.
   for (std::uint64_t& word : state_) word = SplitMix64(seed);
 }
 
 double Random::Gaussian(double sigma) {
+  // Uniform() may be 0 but never 1, so the logarithm of 1 - Uniform() is finite.
   const double radius = std::sqrt(-2.0 * std::log1p(-Uniform()));
   return sigma * radius * std::cos(2.0 * std::numbers::pi * Uniform());
 }
@@ -33,6 +35,7 @@ std::uint64_t HashBytes(std::string_view bytes, std::uint64_t seed) {
   std::uint64_t hash = seed;
   for (const char byte : bytes) {
     hash ^= static_cast<unsigned char>(byte);
+    // The prime of 64-bit FNV-1a. Checksums in stores are made with it, so it never changes.
     hash *= 0x100000001b3ull;
   }
   return hash;

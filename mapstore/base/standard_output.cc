@@ -12,6 +12,7 @@ Status FlushStandardOutput() {
   std::cout.flush();
   std::fflush(stdout);
   if (std::cout.good() && std::ferror(stdout) == 0) return Status::Ok();
+  // If an earlier write failed, its error number is gone.
   const std::string cause =
       errno != 0 ? std::strerror(errno) : "the disk is full, or whoever read it has gone";
   return Status(StatusCode::kDataLoss, "OUTPUT_LOST",

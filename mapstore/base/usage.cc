@@ -13,6 +13,8 @@ std::string WrongUsage(const CLI::App* app, const CLI::Error& error) {
   std::string command = app->get_name();
   for (const CLI::App* chosen : app->get_subcommands()) command += " " + chosen->get_name();
   const std::vector<std::string> unknown = app->remaining(/*recurse=*/true);
+  // CLI11 looks for missing flags before unknown words, so that it would report a misspelt flag as
+  // a missing one. All its other errors name the word that is wrong.
   const bool names_another =
       error.get_exit_code() != static_cast<int>(CLI::ExitCodes::ExtrasError) &&
       error.get_exit_code() != static_cast<int>(CLI::ExitCodes::RequiredError);

@@ -4,7 +4,8 @@
 #include <cstring>
 #include <span>
 
-// AVX3_DL brings vpopcntd and the byte dot product; Highway compiles it on demand alone.
+// AVX3_DL has vpopcntd and the byte dot product; Highway compiles it only on demand. It includes
+// this file again for each instruction set.
 #define HWY_WANT_AVX3_DL
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "mapstore/descriptors/distance_kernels.cc"
@@ -57,8 +58,7 @@ void PackBlock(const std::uint8_t* queries, int count, int row_bytes, Element* b
 
 constexpr auto kSame = [](std::uint8_t byte) { return byte; };
 
-// ---- Hamming
-// -------------------------------------------------------------------------------------
+// Hamming distance.
 
 #if HWY_TARGET == HWY_AVX3_DL
 // One lane a row, 32 bits at a time.
@@ -123,8 +123,7 @@ void HammingDistances(int row_bytes, const std::uint8_t* block, const std::uint8
 }
 #endif
 
-// ---- squared L2: |q - d|^2 = |q|^2 + |d|^2 - 2 q.d
-// ------------------------------------------------
+// Squared L2 distance: |q - d|^2 = |q|^2 + |d|^2 - 2 q.d.
 
 #if HWY_TARGET == HWY_AVX3_DL
 // vpdpbusd multiplies unsigned by signed bytes, so q travels as q - 128 and the row's constant
@@ -135,6 +134,7 @@ using L2QueryElement = std::int8_t;
 constexpr auto kToL2Query = [](std::uint8_t byte) { return static_cast<std::int8_t>(byte - 128); };
 constexpr int kL2Chunks = 4;  // accumulators enough to hide the product's latency
 
+// |d|^2 and what -2 q.d has beside -2 (q - 128).d.
 std::int32_t L2RowConstant(std::span<const std::uint8_t> row) {
   return SquaredNorm(row) - 256 * Sum(row);
 }
@@ -258,8 +258,7 @@ void L2Distances(int row_bytes, const std::uint8_t* block, const std::int32_t* b
 }
 #endif
 
-// ---- the functions that are dispatched
-// ------------------------------------------------------------
+// The functions that are dispatched.
 
 void PackRows(DescriptorMetric metric, const std::uint8_t* rows, int count, int row_bytes,
               std::uint8_t* tile, std::int32_t* constants) {

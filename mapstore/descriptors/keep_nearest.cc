@@ -38,14 +38,15 @@ HWY_INLINE std::uint32_t ReachedByTwo(D d, const std::uint32_t* distances,
   return std::max(Smallest(d, distances, third), Smallest(d, distances + last, third));
 }
 
-// Few rows pass the bound, which only falls, so that a row is compared with it once more when its
-// turn comes. Where nothing is known yet, most of the first rows would pass and be replaced soon:
-// then the bound begins with what two landmarks reach.
+// Few rows pass the bound. It only falls, so a row is compared with the newest second distance once
+// more when its turn comes. While a query has no neighbour, most of its first rows would be
+// inserted and soon replaced; so the bound begins with a distance that two landmarks reach.
 void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, int count,
                  Neighbours& nearest) {
   const hn::CappedTag<std::uint32_t, kChunkRows> d;
   std::uint32_t reached = UINT32_MAX;
   if (nearest.best < 0) reached = ReachedByTwo(d, distances, landmarks, count);
+  // The comparison is strict, and rows at the reached distance itself must pass.
   const std::uint32_t beyond = reached == UINT32_MAX ? reached : reached + 1;
   auto bound = hn::Set(d, std::min(beyond, nearest.second_distance));
   for (int first = 0; first < count; first += static_cast<int>(hn::Lanes(d))) {
@@ -53,8 +54,10 @@ void KeepNearest(const std::uint32_t* distances, const std::int32_t* landmarks, 
     if (hn::AllFalse(d, below)) continue;
     std::uint8_t bytes[8] = {};
     hn::StoreMaskBits(d, below, bytes);
+    // There are at most kChunkRows = 16 lanes, so two bytes hold the mask.
     for (unsigned bits = bytes[0] | bytes[1] << 8; bits != 0; bits &= bits - 1) {
       const int row = first + std::countr_zero(bits);
+      // Rows of padding have no landmark.
       if (row >= count) break;
       if (distances[row] < nearest.second_distance) nearest.Insert(landmarks[row], distances[row]);
     }

@@ -114,6 +114,7 @@ std::vector<NearestQuery> NearestQueries(const std::vector<std::int32_t>& landma
       owner.push_back(static_cast<std::int32_t>(i));
     }
   }
+  // In the search back the queries are the database, and each is a landmark of its own.
   std::vector<std::int32_t> itself(queries.size());
   for (std::size_t i = 0; i < itself.size(); ++i) itself[i] = static_cast<std::int32_t>(i);
   const std::vector<Neighbours> nearest = FindNeighbours(rows, queries, itself);
@@ -168,6 +169,7 @@ std::vector<Neighbours> FindNeighbours(const Descriptors& queries, const Descrip
 double RatioOf(const Neighbours& n, DescriptorMetric metric) {
   if (n.second_distance == UINT32_MAX || n.second_distance == 0) return 1.0;
   const double ratio = static_cast<double>(n.best_distance) / n.second_distance;
+  // L2 distances are squared here, but the ratio is one of distances.
   return metric == DescriptorMetric::kL2U8 ? std::sqrt(ratio) : ratio;
 }
 

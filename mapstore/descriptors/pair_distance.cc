@@ -17,6 +17,7 @@ std::uint32_t HammingDistance(int row_bytes, const std::uint8_t* a, const std::u
   int byte = 0;
   for (; byte + 8 <= row_bytes; byte += 8) {
     std::uint64_t left, right;
+    // A row need not be aligned to 8 bytes.
     std::memcpy(&left, a + byte, 8);
     std::memcpy(&right, b + byte, 8);
     sum += std::popcount(left ^ right);

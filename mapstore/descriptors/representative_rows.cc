@@ -60,7 +60,8 @@ std::vector<int> RepresentativeRows(const Descriptors& descriptors, int begin, i
     }
   }
   std::sort(chosen.begin(), chosen.end());
-  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());  // of equal rows
+  // If all rows are equal, the second choice is the first one again.
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
   return chosen;
 }
 

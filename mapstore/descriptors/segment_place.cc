@@ -18,6 +18,7 @@ constexpr int kReachSamples = 256;
 double MedianReach(const Segment& segment) {
   const std::vector<Eigen::Vector3d>& positions = segment.points.positions_in_map;
   if (positions.empty() || segment.path_in_map.empty()) return 0.0;
+  // A stride, so that the sample is from all over the segment.
   const std::size_t step = 1 + (positions.size() - 1) / kReachSamples;
   std::vector<double> distances;
   for (std::size_t i = 0; i < positions.size(); i += step) {

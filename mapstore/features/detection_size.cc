@@ -21,6 +21,7 @@ PixelSize DetectionSize(const PixelSize& photo) {
   const double pixel = DetectionPixel(photo);
   if (pixel == 1.0) return photo;
   const auto reduced = [pixel](int side) {
+    // Without 1e-9 a side that divides exactly could lose a pixel by rounding.
     return std::max(1, static_cast<int>(std::floor(side / pixel + 1e-9)));
   };
   return {reduced(photo.width_px), reduced(photo.height_px)};

@@ -16,7 +16,8 @@
 namespace maploc {
 namespace {
 
-// Of a picture that is read anyway all is looked at; a cut one may end like a whole one by chance.
+// Reads the whole file, because a truncated picture may end with the bytes of the end mark by
+// chance.
 Status CheckEnd(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
@@ -66,6 +67,7 @@ Status CheckDecodedSize(const std::string& path) {
 }
 
 cv::Mat Decode(const std::string& path) {
+  // Orientation is ignored, because a calibration is of the stored pixels. COLMAP ignores it too.
   const int flags = cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION;
   cv::Mat decoded = cv::imread(path, flags | cv::IMREAD_ANYDEPTH);
   const bool is_known = decoded.empty() || decoded.depth() == CV_8U || decoded.depth() == CV_16U;
@@ -83,6 +85,7 @@ Status CheckWhole(const std::string& path) {
 
 Result<GrayImage> LoadGrayImage(const std::string& path) {
   if (!IsRegularFile(path)) return InvalidFile(path, "is not there");
+  // OpenCV fills the missing part of a truncated JPEG with grey and only prints a warning.
   MAPLOC_RETURN_IF_ERROR(CheckEnd(path));
   MAPLOC_RETURN_IF_ERROR(CheckDecodedSize(path));
   cv::Mat decoded;

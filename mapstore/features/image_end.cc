@@ -19,6 +19,7 @@ std::size_t BigEndian(std::string_view bytes, std::size_t at, int count) {
 
 // Chunks of length, type, data and checksum, the last one of type IEND.
 bool PngEndsEarly(std::string_view bytes) {
+  // Four bytes each of length, type and checksum.
   constexpr std::size_t kAround = 12;
   std::size_t at = kPngSignature.size();
   while (at + kAround <= bytes.size()) {

@@ -20,6 +20,7 @@ constexpr float kLsdShiftPx = 0.125f;
 std::vector<cv::Vec4f> DetectSegments(const cv::Mat& image) {
   std::vector<cv::Vec4f> segments;
   cv::createLineSegmentDetector(cv::LSD_REFINE_STD)->detect(image, segments);
+  // LBD reads the pixels around a segment, so segments must not leave the image.
   const auto limit_x = static_cast<float>(image.cols - 1);
   const auto limit_y = static_cast<float>(image.rows - 1);
   for (cv::Vec4f& s : segments) {
@@ -28,6 +29,7 @@ std::vector<cv::Vec4f> DetectSegments(const cv::Mat& image) {
   }
   constexpr auto kMinLength = static_cast<float>(kMinLineLengthPx);
   std::erase_if(segments, [](const cv::Vec4f& s) { return !(Length(s) >= kMinLength); });
+  // Segments of equal length keep the detector's order, so that every run gives the same ones.
   std::stable_sort(segments.begin(), segments.end(),
                    [](const cv::Vec4f& a, const cv::Vec4f& b) { return Length(a) > Length(b); });
   if (segments.size() > std::size_t{kMaxLines}) segments.resize(kMaxLines);
@@ -36,6 +38,7 @@ std::vector<cv::Vec4f> DetectSegments(const cv::Mat& image) {
 
 cv::line_descriptor::KeyLine MakeKeyLine(const cv::Vec4f& s, int id, const cv::Mat& image) {
   cv::line_descriptor::KeyLine line;
+  // There is one octave, so positions in it are positions in the image.
   line.startPointX = line.sPointInOctaveX = s[0];
   line.startPointY = line.sPointInOctaveY = s[1];
   line.endPointX = line.ePointInOctaveX = s[2];

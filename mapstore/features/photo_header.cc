@@ -47,6 +47,8 @@ std::string ReadBytes(std::istream& file, std::size_t count) {
   return bytes;
 }
 
+// C4, C8 and CC lie in the range of frame headers but mean Huffman tables, a reserved code and
+// arithmetic coding.
 bool IsFrameHeader(unsigned marker) {
   return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
 }
@@ -77,9 +79,11 @@ std::optional<PhotoHeader> ReadJpeg(std::istream& file) {
     }
     const std::string content = ReadBytes(file, length - 2);
     if (marker == kApp1) {
+      // A file can have several APP1 segments, and not all of them are EXIF (XMP uses them too).
       if (header.orientation == 1) header.orientation = ExifOrientation(content);
       continue;
     }
+    // The frame header begins with one byte of precision.
     header.height_px = static_cast<int>(Number(content, 1, 2, true));
     header.width_px = static_cast<int>(Number(content, 3, 2, true));
     return header;
@@ -102,6 +106,8 @@ std::string TurnCure(const std::string& path) {
 
 }  // namespace
 
+// Orientation 6, for example, shows the stored left column at the top, so that down is to the
+// right.
 Eigen::Vector3d PhotoHeader::ShownDown() const {
   switch (orientation) {
     case 3:
@@ -125,6 +131,8 @@ std::optional<PhotoHeader> ReadPhotoHeader(const std::string& path) {
   const std::string rest = ReadBytes(file, 22);
   if (start + rest.substr(0, 6) != "\x89PNG\r\n\x1a\n" || rest.size() < 22) return std::nullopt;
   PhotoHeader header;
+  // IHDR is a PNG's first chunk: 6 more bytes of the signature, 4 of length and 4 of type come
+  // before.
   header.width_px = static_cast<int>(Number(rest, 14, 4, true));
   header.height_px = static_cast<int>(Number(rest, 18, 4, true));
   return header;

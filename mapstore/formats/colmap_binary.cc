@@ -11,7 +11,8 @@
 namespace maploc {
 namespace {
 
-// The least that one record takes in its file.
+// The least that one record takes in its file, so that a count is refused before memory is
+// allocated for it. No camera model has fewer than two parameters.
 constexpr std::size_t kMinCameraBytes = 4 + 4 + 8 + 8 + 2 * 8;
 constexpr std::size_t kMinImageBytes = 4 + 7 * 8 + 4 + 1 + 8;
 constexpr std::size_t kKeypointBytes = 8 + 8 + 8;
@@ -53,6 +54,7 @@ Status ReadKeypoints(ByteReader& reader, ColmapImage& image) {
     MAPLOC_ASSIGN_OR_RETURN(const double x, reader.Read<double>("keypoint x"));
     MAPLOC_ASSIGN_OR_RETURN(const double y, reader.Read<double>("keypoint y"));
     MAPLOC_ASSIGN_OR_RETURN(const auto point, reader.Read<std::int64_t>("keypoint's point id"));
+    // COLMAP has the centre of the first pixel at (0.5, 0.5), maploc at (0, 0).
     image.keypoints_px.emplace_back(x - 0.5, y - 0.5);
     image.point_ids.push_back(point);
   }
@@ -118,6 +120,8 @@ Status ForEachRecord(const std::string& path, std::string_view what, std::size_t
 
 Result<ColmapModel> ReadColmapBinaryModel(const std::string& directory) {
   ColmapModel model;
+  // Images are read before the points that they name. Where an image begins is kept for the error
+  // about a point that is missing.
   std::unordered_map<std::int64_t, std::size_t> image_offsets;
   const std::string images_path = directory + "/images.bin";
   MAPLOC_RETURN_IF_ERROR(

@@ -42,6 +42,7 @@ Result<Rigid3> MakeColmapPose(const std::array<double, 7>& v) {
 }
 
 Status AddColmapCamera(ColmapModel& model, std::int64_t id, Result<Camera> camera) {
+  // An unsupported model is an error only if an image uses the camera (AddColmapImage).
   if (!camera.ok() && camera.status().reason() != kUnsupportedCameraModel) return camera.status();
   if (id < 0) return InvalidArgument("camera id", "is negative");
   if (model.cameras.contains(id) || model.unsupported_cameras.contains(id)) {
@@ -96,6 +97,7 @@ Status AddColmapPoint(ColmapModel& model, ColmapPoint point) {
   return Status::Ok();
 }
 
+// A point's track decides which images see it. The ids in the images only have to exist.
 Status CheckColmapPointIds(const ColmapModel& model,
                            const std::function<std::string(std::int64_t)>& where) {
   for (const auto& [id, image] : model.images) {

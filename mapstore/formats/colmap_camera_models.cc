@@ -95,6 +95,7 @@ Result<Camera> MakeColmapCamera(std::string_view model_name, std::int64_t width_
   if (width_px < 1 || width_px > kMaxImageSidePx || height_px < 1 || height_px > kMaxImageSidePx) {
     return InvalidArgument("camera size", "sides must be in [1, 65536] pixels");
   }
+  // COLMAP has the centre of the first pixel at (0.5, 0.5), maploc at (0, 0).
   const std::size_t cx = traits->two_focal_lengths ? 2 : 1;
   params[cx] -= 0.5;
   params[cx + 1] -= 0.5;

@@ -10,6 +10,7 @@ namespace {
 // COLMAP's text had six digits once, and has 17 now.
 constexpr double kRounding = 1e-5;
 
+// Relative for large numbers and absolute near 0, as a number of digits rounds.
 bool IsNear(double a, double b) { return std::abs(a - b) <= kRounding * (1 + std::abs(a)); }
 
 template <typename Vectors>

@@ -68,6 +68,7 @@ Result<ColmapModel> ReadColmapModel(const std::string& directory) {
     return NotFound("model folder '" + directory + "'", "FILE_NOT_FOUND");
   }
   const bool has_text = HasAllParts(directory, ".txt");
+  // Binary first, as COLMAP reads a folder that has both.
   if (HasAllParts(directory, ".bin")) return ReadBinaryBesideText(directory, has_text);
   if (has_text) return ReadColmapTextModel(directory);
   return InvalidFile(directory,

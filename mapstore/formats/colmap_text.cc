@@ -46,6 +46,7 @@ Result<ColmapImage> ParseImageHeader(std::string_view line) {
   }
   MAPLOC_ASSIGN_OR_RETURN(image.camera_from_source, MakeColmapPose(pose));
   MAPLOC_ASSIGN_OR_RETURN(image.camera_id, fields.Number<std::int64_t>("camera id"));
+  // The rest of the line, because a name may contain blanks.
   image.name = fields.Rest();
   return image;
 }
@@ -57,6 +58,7 @@ Status ParseKeypoints(std::string_view line, ColmapImage& image) {
     MAPLOC_ASSIGN_OR_RETURN(const double x, fields.Number<double>("keypoint x"));
     MAPLOC_ASSIGN_OR_RETURN(const double y, fields.Number<double>("keypoint y"));
     MAPLOC_ASSIGN_OR_RETURN(const auto point, fields.Number<std::int64_t>("keypoint's point id"));
+    // COLMAP has the centre of the first pixel at (0.5, 0.5), maploc at (0, 0).
     image.keypoints_px.emplace_back(x - 0.5, y - 0.5);
     image.point_ids.push_back(point);
   }
@@ -74,6 +76,7 @@ Result<ColmapPoint> ParsePoint(std::string_view line) {
   for (int channel = 0; channel < 3; ++channel) {
     MAPLOC_ASSIGN_OR_RETURN([[maybe_unused]] const int value, fields.Number<int>("color"));
   }
+  // Some programs write NaN for an error that they do not know.
   MAPLOC_ASSIGN_OR_RETURN(point.error_px, fields.AnyNumber<double>("error"));
   while (!fields.AtEnd()) {
     ColmapPoint::Observation observation;

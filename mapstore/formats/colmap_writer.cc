@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kHalfPixel = 0.5;
 
-// Closed and checked: a full disk is noticed here.
+// Flushed before the check, because a full disk shows only when the buffer is written.
 Status Finish(std::ofstream& file, const std::string& path) {
   file.flush();
   if (file) return Status::Ok();
@@ -17,6 +17,7 @@ Status Finish(std::ofstream& file, const std::string& path) {
 
 std::ofstream OpenText(const std::string& path) {
   std::ofstream file(path);
+  // 17 digits give every double back exactly.
   file.precision(17);
   return file;
 }
@@ -51,6 +52,7 @@ Status WriteImages(const std::string& path, const ColmapModel& model) {
 Status WritePoints(const std::string& path, const ColmapModel& model) {
   std::ofstream file = OpenText(path);
   for (const auto& [id, point] : model.points) {
+    // Any colour will do: the model has none.
     file << id << ' ' << point.position_in_source.transpose() << " 128 128 128 " << point.error_px;
     for (const ColmapPoint::Observation& observation : point.track) {
       file << ' ' << observation.image_id << ' ' << observation.keypoint;
@@ -62,7 +64,7 @@ Status WritePoints(const std::string& path, const ColmapModel& model) {
 
 }  // namespace
 
-// Principal points stand after the focal lengths: at 1 and 2, or at 2 and 3.
+// The principal point comes after the focal lengths: at 1 and 2, or at 2 and 3.
 std::vector<double> ColmapCameraParams(const Camera& camera) {
   std::vector<double> params = camera.params();
   const bool one_focal_length = camera.model() == CameraModel::kSimplePinhole ||

@@ -23,6 +23,7 @@ constexpr std::array<std::string_view, 5> kKeys = {"camera_model", "intrinsics",
 
 // The text without a comment, blanks and quotes around it.
 std::string_view Trim(std::string_view text) {
+  // In YAML '#' begins a comment only at the start or after a blank.
   for (std::size_t hash = text.find('#'); hash != std::string_view::npos;
        hash = text.find('#', hash + 1)) {
     if (hash > 0 && text[hash - 1] != ' ' && text[hash - 1] != '\t') continue;
@@ -118,6 +119,7 @@ Result<CameraModel> ParseModel(const Values& values) {
   }
   const Value& distortion = values.find("distortion_model")->second;
   const std::string& name = distortion.text;
+  // The short names are Kalibr's.
   if (name == "radial-tangential" || name == "radtan") return CameraModel::kOpenCv;
   if (name == "equidistant" || name == "equi") return CameraModel::kOpenCvFisheye;
   return InvalidFile(distortion.where, "distortion_model '" + distortion.text +
@@ -141,6 +143,7 @@ Result<Camera> ReadEurocSensorYaml(const std::string& path) {
       return InvalidFile(resolution.where, "resolution must be two whole numbers in [1, 65536]");
     }
   }
+  // No half pixel is subtracted: EuRoC has the centre of the first pixel at (0, 0), as maploc.
   params.insert(params.end(), distortion.begin(), distortion.end());
   Result<Camera> camera = Camera::Create(model, static_cast<int>(sides[0]),
                                          static_cast<int>(sides[1]), std::move(params));

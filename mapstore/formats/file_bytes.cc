@@ -29,6 +29,7 @@ std::string_view WithoutByteOrderMark(std::string_view text) {
 
 Result<std::string> ReadTextFile(const std::string& path) {
   MAPLOC_ASSIGN_OR_RETURN(std::string text, ReadFileBytes(path));
+  // Before the search for NUL bytes, which UTF-16 has in every line.
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
     return InvalidFile(path + ":1", "is UTF-16 text; save it as UTF-8");
   }
@@ -38,6 +39,7 @@ Result<std::string> ReadTextFile(const std::string& path) {
                        "holds a NUL byte, so it is no text; is it a binary file, or UTF-16?");
   }
   text.erase(0, text.size() - WithoutByteOrderMark(text).size());
+  // Only where no line ends with LF. The CR of a CRLF is skipped as a blank (text_fields.h).
   if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
   return text;
 }

@@ -34,6 +34,8 @@ bool IsLine3dpp(const std::vector<std::string_view>& words) {
   const auto views = 1 + 6 * static_cast<std::size_t>(*segments);
   if (views >= words.size() || !IsCount(words[views])) return false;
   const auto count = TextFields(words[views]).Number<std::int64_t>("count");
+  // Bounded before it is multiplied: the file may hold any number.
+  if (*count > static_cast<std::int64_t>(words.size())) return false;
   return static_cast<std::int64_t>(words.size() - views - 1) == 6 * *count;
 }
 

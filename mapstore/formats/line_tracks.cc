@@ -143,6 +143,7 @@ std::string Hex(std::span<const std::uint8_t> bytes) {
 }  // namespace
 
 Result<LineTracks> ReadLineTracks(const std::string& path) {
+  // First, because ReadTextFile would say of a folder or a binary file only that it is no text.
   MAPLOC_RETURN_IF_ERROR(RefuseForeignLines(path));
   MAPLOC_ASSIGN_OR_RETURN(const std::string text, ReadTextFile(path));
   LineTracks tracks;
@@ -167,6 +168,7 @@ Result<LineTracks> ReadLineTracks(const std::string& path) {
 
 Status WriteLineTracks(const std::string& path, const LineTracks& tracks) {
   std::ofstream file(path);
+  // 17 digits give every double back exactly.
   file.precision(17);
   const DescriptorKind& kind = tracks.descriptors.kind;
   file << kMagic << " 1 " << (kind.name.empty() ? "none" : kind.name)

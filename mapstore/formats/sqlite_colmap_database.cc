@@ -110,6 +110,7 @@ class Reader {
                           const ColmapFeatures& image, std::int64_t bytes_each) const {
     Block block{sqlite3_column_int64(row, first), sqlite3_column_int64(row, first + 1),
                 sqlite3_column_blob(row, first + 2)};
+    // Bounded, so that the product below cannot overflow.
     if (block.rows < 0 || block.rows > kMaxRows || block.cols < 0 || block.cols > 4096) {
       return RowError(table, image, "its rows or cols are out of range");
     }
@@ -132,6 +133,7 @@ class Reader {
     }
     features.points.keypoints_px.reserve(static_cast<std::size_t>(block.rows));
     for (std::int64_t i = 0; i < block.rows; ++i) {
+      // Copied, because SQLite does not promise that a blob is aligned for floats.
       std::array<float, 2> xy;
       std::memcpy(xy.data(), static_cast<const float*>(block.data) + i * block.cols, sizeof(xy));
       if (!std::isfinite(xy[0]) || !std::isfinite(xy[1])) {
@@ -161,6 +163,7 @@ class Reader {
     const std::size_t row_bytes = descriptors.kind.bytes > 0 ? descriptors.kind.bytes : columns;
     const std::string fault = FindDescriptorFault(descriptors.bytes, row_bytes);
     if (!fault.empty()) return RowError("descriptors", features, fault);
+    // A photo without features may have no columns, of which no kind can be made.
     if (block.rows > 0) MAPLOC_RETURN_IF_ERROR(SettleKind(static_cast<int>(row_bytes), features));
     if (kind_) descriptors.kind = *kind_;
     return Status::Ok();
@@ -196,6 +199,7 @@ class Reader {
 
   // The first image with features decides what the others must be.
   Status SettleKind(int cols, const ColmapFeatures& features) {
+    // Only learned features have a kind here; all others are bytes without one.
     const DescriptorKind& found = features.points.descriptors.kind;
     if (!kind_ && found.bytes > 0) kind_ = found;
     if (kind_ && (found.bytes > 0 || kind_->name.starts_with("unit")) && found != *kind_) {

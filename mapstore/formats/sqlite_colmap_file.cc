@@ -64,7 +64,8 @@ Status CheckHeader(const std::string& path) {
   std::error_code error;
   if (!Exists(path)) return NotFound("database '" + path + "'", "FILE_NOT_FOUND");
   if (!IsRegularFile(path)) return InvalidFile(path, "is not a regular file");
-  MAPLOC_RETURN_IF_ERROR(CheckLogs(path));  // it explains what else may be wrong with the file
+  // First, because a database whose pages are all in its log looks like an empty file.
+  MAPLOC_RETURN_IF_ERROR(CheckLogs(path));
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   std::array<unsigned char, 100> header{};
   std::ifstream file(path, std::ios::binary);
@@ -72,8 +73,11 @@ Status CheckHeader(const std::string& path) {
   if (error || !file || std::memcmp(header.data(), "SQLite format 3", 16) != 0) {
     return InvalidFile(path, "is not an SQLite database (or is cut off in its first 100 bytes)");
   }
+  // A page of 65536 bytes does not fit the header's 16 bits and is written as 1.
   const std::uint32_t page =
       header[16] == 0 && header[17] == 1 ? 65536u : std::uint32_t{header[16]} << 8 | header[17];
+  // Old versions of SQLite leave the page count as it is. It holds only if the file's change
+  // counter equals the one that was written with it.
   const bool count_is_valid = BigEndian32(&header[24]) == BigEndian32(&header[92]);
   const std::uint64_t expected = std::uint64_t{page} * BigEndian32(&header[28]);
   if (count_is_valid && size < expected) {

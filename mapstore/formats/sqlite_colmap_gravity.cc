@@ -29,10 +29,11 @@ Result<Eigen::Vector3d> ReadDirection(const SqliteColmapFile& file, sqlite3_stmt
   std::memcpy(values.data(), blob, sizeof(values));
   const Eigen::Vector3d gravity(values[0], values[1], values[2]);
   if (gravity.hasNaN()) return gravity;
-  if (!gravity.allFinite() || !(gravity.norm() > 1e-9)) {
+  // stableNorm: the squares of large numbers overflow, and the result would be a zero direction.
+  if (!gravity.allFinite() || !(gravity.stableNorm() > 1e-9)) {
     return error("its gravity is no direction");
   }
-  return Eigen::Vector3d(gravity.normalized());
+  return Eigen::Vector3d(gravity.stableNormalized());
 }
 
 }  // namespace

@@ -12,7 +12,8 @@ namespace {
 
 constexpr float kHalfPixel = 0.5f;
 
-// COLMAP 3.8's tables, without those of matches, which nobody reads here.
+// COLMAP 3.8's tables, without those of matches, which nobody reads here. One transaction for all,
+// because SQLite syncs the disk at the end of each.
 constexpr const char* kSchema =
     "CREATE TABLE cameras (camera_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, model INTEGER NOT "
     "NULL, width INTEGER NOT NULL, height INTEGER NOT NULL, params BLOB, prior_focal_length "

@@ -19,6 +19,7 @@ struct ModelTraits {
   bool two_focal_lengths;
 };
 
+// In the order of the enum, whose numbers are COLMAP's: Traits uses them as indices.
 constexpr std::array<ModelTraits, 6> kModels = {{
     {CameraModel::kSimplePinhole, "SIMPLE_PINHOLE", 3, false},
     {CameraModel::kPinhole, "PINHOLE", 4, true},
@@ -71,8 +72,9 @@ Eigen::Matrix2d DistortionJacobian(CameraModel model, const double* params,
   return jacobian;
 }
 
-// Of a pixel in the plane z = 1, to the mean focal length's: within these the plane serves as well
-// (EuRoC's corners have 0.65; its answers are as good either way), and faster.
+// How much the lens scales lengths in the plane z = 1; on the axis the scale is 1. Within these
+// bounds errors measured in the plane are as good as errors of rays, and faster (EuRoC's corners
+// have 0.65).
 constexpr double kLeastPlaneScale = 0.5;
 constexpr double kMostPlaneScale = 2.0;
 
@@ -135,6 +137,7 @@ bool Camera::LooksWide() const {
   const Eigen::Vector2d centre = principal_point_px();
   const Eigen::Vector2d corner(centre.x() < 0.5 * width_px_ ? width_px_ - 1.0 : 0.0,
                                centre.y() < 0.5 * height_px_ ? height_px_ - 1.0 : 0.0);
+  // All along the radius, because a polynomial can squeeze a ring inside the image.
   constexpr int kLooks = 8;
   for (int i = 1; i <= kLooks; ++i) {
     const Eigen::Vector2d offset = static_cast<double>(i) / kLooks * (corner - centre);
@@ -176,6 +179,7 @@ std::optional<Eigen::Vector2d> Camera::UndistortBrown(const Eigen::Vector2d& dis
 
 std::optional<Eigen::Vector3d> Camera::FisheyeRay(const Eigen::Vector2d& distorted) const {
   const double bent = distorted.norm();
+  // Near the axis sin(theta) / bent is 0 / 0; the ray is the axis to first order.
   if (bent < 1e-12) return Eigen::Vector3d(distorted.x(), distorted.y(), 1.0);
   const std::optional<double> theta = Unbend(&params_[4], max_theta_rad_, bent);
   if (!theta) return std::nullopt;
@@ -206,6 +210,7 @@ std::optional<PixelFrame> Camera::Frame(const Eigen::Vector2d& pixel) const {
 // length 2 pi bent for one of 2 pi sin theta.
 Eigen::Matrix<double, 2, 3> Camera::FisheyeAcross(const Eigen::Vector3d& ray) const {
   const double sine = ray.head<2>().norm();
+  // On the axis there is no meridian, and the polynomial's slope is 1.
   if (sine < 1e-9) return Eigen::Matrix<double, 2, 3>::Identity();
   const double theta = std::atan2(sine, ray.z());
   const Eigen::Vector2d outwards = ray.head<2>() / sine;
@@ -220,6 +225,7 @@ Eigen::Matrix<double, 2, 3> Camera::BrownAcross(const Eigen::Vector3d& ray) cons
   const Eigen::Vector2d u = ray.hnormalized();
   Eigen::Matrix<double, 2, 3> by_ray;
   by_ray << 1, 0, -u.x(), 0, 1, -u.y();
+  // The derivative of (x / z, y / z) by the ray is by_ray / z.
   return DistortionJacobian(model_, params_.data(), u) * by_ray / ray.z();
 }
 
@@ -228,6 +234,7 @@ std::optional<Eigen::Vector2d> Camera::Project(const Eigen::Vector3d& point_in_c
   if (model_ == CameraModel::kOpenCvFisheye) {
     const double radius = point_in_camera.head<2>().norm();
     const double theta = std::atan2(radius, point_in_camera.z());
+    // The camera's own centre has no direction, though atan2(0, 0) is 0.
     if (theta > max_theta_rad_ || point_in_camera.isZero(0)) return std::nullopt;
     // On the axis the direction does not matter.
     const double bent = Bend(&params_[4], theta);

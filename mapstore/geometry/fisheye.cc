@@ -20,6 +20,8 @@ double MaxBendableAngle(const double k[4]) {
   constexpr double kMax = std::numbers::pi - 0.01;
   constexpr double kStep = std::numbers::pi / 180.0;
   double rises = 0.0;
+  // The slope can have several zeros, and the first one counts. Bisection alone could find a later
+  // one, so it only refines the degree in which the slope changes its sign.
   while (rises < kMax && BendSlope(k, std::min(rises + kStep, kMax)) > 0) rises += kStep;
   if (rises >= kMax) return kMax;
   double falls = std::min(rises + kStep, kMax);

@@ -9,6 +9,7 @@ Result<Eigen::Vector3d> DownFromReading(std::string_view field, const Eigen::Vec
   if (!reading.allFinite()) {
     return InvalidArgument(field, "is not finite; it must be the direction down", "NOT_FINITE");
   }
+  // The squares of very large or very small numbers would overflow or vanish.
   const double norm = reading.stableNorm();
   if (norm == 0.0) {
     return InvalidArgument(field,

@@ -10,6 +10,7 @@ Similarity3 Similarity3::Inverse() const {
 }
 
 Similarity3 operator*(const Similarity3& c_from_b, const Similarity3& b_from_a) {
+  // Normalized, so that rounding does not add up along a chain of transforms.
   return {c_from_b.scale * b_from_a.scale, (c_from_b.rotation * b_from_a.rotation).normalized(),
           c_from_b * b_from_a.translation};
 }
@@ -25,6 +26,7 @@ Rigid3 MovePose(const Similarity3& target_from_source, const Rigid3& camera_from
 
 double RotationAngleBetween(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   const Eigen::Quaterniond relative = a.conjugate() * b;
+  // q and -q are the same rotation, hence the absolute value. acos(w) would be inaccurate near 0.
   return 2.0 * std::atan2(relative.vec().norm(), std::abs(relative.w()));
 }
 

@@ -46,6 +46,7 @@ Axes TakeAxes(std::span<const Eigen::Quaterniond> camera_from_source) {
 }
 
 double OffLevel(const Eigen::Vector3d& x_axis, const Eigen::Vector3d& down) {
+  // Rounding can take a product of unit vectors beyond 1, where asin is not a number.
   return std::asin(std::clamp(x_axis.dot(down), -1.0, 1.0));
 }
 
@@ -63,6 +64,7 @@ Eigen::Vector3d FindStart(const Axes& axes) {
   Eigen::Vector3d best =
       axes.mean_y.norm() > 1e-6 ? Eigen::Vector3d(axes.mean_y.normalized()) : axes.y[0];
   double best_cost = Cost(axes, best);
+  // A fixed seed: the same model always gives the same map.
   Random random(1);
   const auto count = static_cast<std::uint32_t>(axes.x.size());
   for (int i = 0; i < kPairs; ++i) {
@@ -107,10 +109,12 @@ Step AddPhotos(const Axes& axes, const Eigen::Vector3d& down,
   Step step;
   for (const Eigen::Vector3d& x : axes.x) {
     const double residual = OffLevel(x, down) - shared;
+    // Tukey's weight: photos that were held otherwise (portrait among landscape) count nothing.
     const double far = residual / (kTukey * scale);
     if (std::abs(far) >= 1.0) continue;
     const double weight = std::pow(1.0 - far * far, 2);
     const Eigen::Vector2d tangent = basis.transpose() * x;
+    // x . g = sin(b + e), so for small angles e changes by x with g and by -1 with b.
     step.Add({tangent.x(), tangent.y(), -1.0}, residual, weight);
     step.squares += weight * residual * residual;
     step.weight += weight;

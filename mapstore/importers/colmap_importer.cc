@@ -67,6 +67,7 @@ class Importer {
     report_.info.metric = options_.meters_per_unit.has_value();
     report_.info.map_from_source =
         AlignSource(report_.gravity.down_in_source, options_.meters_per_unit.value_or(1.0));
+    // An angle, so it is the same in the source's frame as in the map's.
     report_.info.shared_error_rad = SharedErrorRad(model_);
     frames_ = MakeKeyFrames(model_, report_.info.map_from_source);
     report_.frames = static_cast<std::int64_t>(frames_.size());
@@ -146,6 +147,8 @@ class Importer {
   }
 
  private:
+  // Someone who forgets --images would otherwise replace a map with lines by one without,
+  // unnoticed.
   void TellLostLines(const MapStore& store) {
     const Result<MapSummary> before = store.GetMap(options_.map_name);
     if (!before.ok() || before->lines == 0) return;
@@ -164,6 +167,7 @@ class Importer {
       return Status::Ok();
     }
     looked_at_photos_ = true;
+    // In the source's frame: the map's frame needs gravity, for which these lines are evidence.
     MAPLOC_ASSIGN_OR_RETURN(
         looks_, LookAtPhotos(options_.images_directory, MakeKeyFrames(model_, {}), progress_));
     truncated_.insert(looks_.truncated.begin(), looks_.truncated.end());
@@ -197,6 +201,7 @@ class Importer {
     MAPLOC_ASSIGN_OR_RETURN(const std::vector<KeypointFeatures> features, ModelFeatures());
     report_.info.point_descriptor = DescriptorKind{};
     for (const KeypointFeatures& of_frame : features) {
+      // A photo without features need not name a kind.
       if (of_frame.descriptors.size() == 0) continue;
       report_.info.point_descriptor = of_frame.descriptors.kind;
     }
@@ -291,6 +296,7 @@ Result<ColmapImportReport> ImportColmap(const ColmapImportOptions& options,
   if (status.ok()) status = importer.MakePoints();
   if (status.ok()) status = importer.MakeLines();
   if (!status.ok()) return importer.Explain(status);
+  // Only now, so that a failed import creates no store file.
   MAPLOC_ASSIGN_OR_RETURN(MapStore* const store, open_store());
   return importer.Write(*store);
 }

@@ -34,6 +34,7 @@ double Distance2(const DirectionFit& a, const DirectionFit& b) {
 
 DirectionFit Combine(const DirectionFit& a, const DirectionFit& b) {
   const Eigen::Matrix<double, 3, 2> basis = TangentBasis(a.direction);
+  // A direction's 3x3 covariance has rank 2, so it is inverted in the tangent plane.
   const Eigen::Matrix2d information_a = (basis.transpose() * a.covariance * basis).inverse();
   const Eigen::Matrix2d information_b = (basis.transpose() * b.covariance * basis).inverse();
   const Eigen::Matrix2d covariance = (information_a + information_b).inverse();

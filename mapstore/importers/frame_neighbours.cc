@@ -54,6 +54,7 @@ Scores ScoreByPoses(std::span<const KeyFrame> frames) {
 
 std::vector<int> Best(const std::map<int, double>& scores, int count) {
   std::vector<std::pair<double, int>> order;
+  // Negative scores: ascending order then has the best first, and of equal ones the lower frame.
   for (const auto& [frame, score] : scores) order.emplace_back(-score, frame);
   std::sort(order.begin(), order.end());
   std::vector<int> best;

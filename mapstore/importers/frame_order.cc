@@ -41,6 +41,8 @@ std::vector<int> OrderByName(std::span<const KeyFrame> frames) {
   std::vector<int> order(frames.size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](int a, int b) {
+    // Names that differ only in leading zeros are equal in natural order. Their characters then
+    // decide.
     if (NaturallyBefore(frames[a].name, frames[b].name)) return true;
     return !NaturallyBefore(frames[b].name, frames[a].name) && frames[a].name < frames[b].name;
   });
@@ -71,6 +73,7 @@ std::vector<int> OrderByNearness(std::span<const KeyFrame> frames, const std::ve
     };
   };
   std::vector<int> order;
+  // From an end: a chain from the middle would have to jump back for its other half.
   auto next = std::max_element(left.begin(), left.end(), nearer_to(middle));
   while (next != left.end()) {
     const int place = *next;

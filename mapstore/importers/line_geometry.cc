@@ -46,7 +46,8 @@ struct NormalEquations {
   Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
 };
 
-// Each end of the line moves across it, in two directions.
+// Each end of the line moves across it, in two directions. A move along it changes no residual and
+// would make the equations singular.
 struct Basis {
   Vector3 u, v;
   Matrix34 motion_a = Matrix34::Zero();
@@ -67,6 +68,7 @@ NormalEquations Accumulate(std::span<const LineObservation> views, const LineSeg
   for (const LineObservation& view : views) {
     for (const Vector2& end : {view.normalized.start, view.normalized.end}) {
       const Equation e = MakeEquation(view, Homogeneous(end), line, basis.motion_a, basis.motion_b);
+      // Huber's weight: 1 up to kHuberPx, beyond it the smaller the larger the error.
       const double weight = std::min(1.0, kHuberPx / std::max(std::abs(e.residual_px), 1e-12));
       sum.information += weight * e.jacobian.transpose() * e.jacobian;
       sum.gradient += weight * e.jacobian.transpose() * e.residual_px;
@@ -151,6 +153,7 @@ bool SegmentsAgree(const LineSegment2& a, const LineSegment2& b, double max_erro
   const LineSegment2& shorter = length2_a >= length2_b ? b : a;
   if (!(std::min(length2_a, length2_b) > 0)) return false;
   const double length = std::sqrt(std::max(length2_a, length2_b));
+  // LSD directs a segment by its dark side, so two views of one line run the same way.
   const Vector2 direction = (longer.end - longer.start) / length;
   const Vector2 normal(-direction.y(), direction.x());
   if (!(std::abs(normal.dot(shorter.start - longer.start)) <= max_error)) return false;
@@ -183,6 +186,7 @@ std::optional<RefinedLine> RefineLine(std::span<const LineObservation> views,
     if (!equations.information.allFinite()) return std::nullopt;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(equations.information);
     const Eigen::Vector4d& eigenvalues = solver.eigenvalues();
+    // Views whose planes nearly coincide leave the line open in one direction.
     if (!(eigenvalues(0) > kMinInformation * eigenvalues(3))) return std::nullopt;
     const Eigen::Matrix4d covariance = solver.eigenvectors() *
                                        eigenvalues.cwiseInverse().asDiagonal() *

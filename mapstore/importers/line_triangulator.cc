@@ -27,6 +27,7 @@ struct Hypothesis {
   bool IsBetterThan(const Hypothesis& other) const {
     if (frames != other.frames) return frames > other.frames;
     if (distance_sum != other.distance_sum) return distance_sum < other.distance_sum;
+    // Only so that the order is the same on every run.
     return views < other.views;
   }
 };
@@ -69,6 +70,7 @@ class Triangulator {
       const std::vector<int>& others = neighbours[static_cast<std::size_t>(view.frame)];
       near.insert(others.begin(), others.end());
     }
+    // The proposal's own views come back here if they still show the refined line.
     std::vector<LineRef> showing;
     for (const int frame : near) {
       const std::optional<LineSegment2> projected =
@@ -175,6 +177,7 @@ std::vector<Hypothesis> ProposeAll(const LineViews& views, const Triangulator& t
   for (auto& of_frame : by_frame) {
     std::move(of_frame.begin(), of_frame.end(), std::back_inserter(all));
   }
+  // The best first, because each line takes its segments away from those after it.
   std::sort(all.begin(), all.end(),
             [](const Hypothesis& a, const Hypothesis& b) { return a.IsBetterThan(b); });
   return all;
@@ -183,6 +186,7 @@ std::vector<Hypothesis> ProposeAll(const LineViews& views, const Triangulator& t
 LineTrackInMap MakeTrack(const LineViews& views, const Hypothesis& hypothesis) {
   LineTrackInMap track{hypothesis.line_in_map, {}, {}};
   for (const LineRef& view : hypothesis.views) {
+    // Views ascend by frame, and one frame can show a line in several pieces.
     if (track.frames.empty() || track.frames.back() != view.frame) {
       track.frames.push_back(view.frame);
     }

@@ -74,6 +74,7 @@ std::optional<DirectionFit> FitMeasuredGravity(std::span<const Eigen::Vector3d> 
     const Eigen::Vector2d off = basis.transpose() * down;
     scatter += off * off.transpose();
   }
+  // The covariance of a mean of n is the scatter over n (n - 1).
   const double factor = kLikeness * SmallSampleFactor(count - 1) / (count * (count - 1));
   const Eigen::Matrix2d covariance =
       factor * scatter + kSharedSigmaRad * kSharedSigmaRad * Eigen::Matrix2d::Identity();

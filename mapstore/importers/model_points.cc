@@ -60,9 +60,11 @@ class PixelGrid {
 
  private:
   std::int64_t Cell(double position) const {
+    // Clamped, because the cell of a wild coordinate would not fit an integer.
     return static_cast<std::int64_t>(std::floor(std::clamp(position, -1e8, 1e8) / cell_px_));
   }
   static std::int64_t Key(std::int64_t x, std::int64_t y) {
+    // |y| is at most 1e8, so no two cells have the same key.
     return x * (std::int64_t{1} << 31) + y;
   }
 
@@ -131,6 +133,7 @@ std::vector<PointTrack> MakePointTracks(const ColmapModel& model,
       track.descriptors.insert(track.descriptors.end(), bytes.begin(), bytes.end());
     }
     if (track.descriptors.empty()) continue;
+    // A track can name two keypoints of one image.
     std::sort(track.frames.begin(), track.frames.end());
     track.frames.erase(std::unique(track.frames.begin(), track.frames.end()), track.frames.end());
     track.descriptors = SelectDescriptors(kind, track.descriptors, max_descriptors);

@@ -45,6 +45,7 @@ Result<std::vector<T>> DetectAll(std::span<const KeyFrame> frames, std::string_v
         if (progress) progress(stage, done, count);
       });
   std::vector<T> found;
+  // In the order of the frames, so that the same error is told on every run.
   for (std::size_t i = 0; i < results.size(); ++i) {
     Result<T>& result = *results[i];
     if (result.status().reason() == kTruncatedImage) {

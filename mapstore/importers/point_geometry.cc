@@ -30,6 +30,7 @@ std::optional<Vector3> NearestToRays(std::span<const PointObservation> views) {
     right += across * view.camera_from_map.Inverse().translation;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
+  // Rays that are nearly parallel leave the distance open: the smallest eigenvalue is then near 0.
   if (!(solver.eigenvalues()(0) > kMinConditioning * solver.eigenvalues()(2))) return std::nullopt;
   return matrix.ldlt().solve(right);
 }
@@ -86,6 +87,8 @@ std::optional<Vector3> TriangulatePoint(std::span<const PointObservation> views)
   constexpr int kSteps = 6;
   std::optional<Vector3> point = NearestToRays(views);
   if (!point) return std::nullopt;
+  // A distance to a ray counts the same near and far. These steps minimize the errors in pixels
+  // instead.
   for (int step = 0; step < kSteps; ++step) {
     if (!Step(views, *point)) return std::nullopt;
   }

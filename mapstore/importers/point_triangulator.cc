@@ -50,6 +50,8 @@ double EpipolarErrorPx(const Rigid3& b_from_a, const Eigen::Vector2d& in_a,
   const Eigen::Vector3d line =
       b_from_a.translation.cross(b_from_a.rotation * Eigen::Vector3d(in_a.x(), in_a.y(), 1.0));
   const double norm = line.head<2>().norm();
+  // Without a baseline, or for a ray along it, there is no epipolar line that could refute the
+  // match.
   if (!(norm > 0)) return 0.0;
   return focal_length_px * std::abs(line.dot(Eigen::Vector3d(in_b.x(), in_b.y(), 1.0))) / norm;
 }
@@ -153,6 +155,7 @@ class TrackBuilder {
   }
 
   std::vector<std::vector<FeatureRef>> Take() {
+    // The order in a track must not depend on which match joined it.
     for (std::vector<FeatureRef>& track : tracks_) std::sort(track.begin(), track.end());
     std::erase_if(tracks_, [](const std::vector<FeatureRef>& track) { return track.size() < 2; });
     return std::move(tracks_);
@@ -175,6 +178,7 @@ std::vector<Edge> MatchAll(const Triangulator& triangulator,
   std::vector<std::pair<int, int>> pairs;
   for (std::size_t a = 0; a < neighbours.size(); ++a) {
     for (const int b : neighbours[a]) {
+      // Neighbours are symmetric, so this takes each pair once.
       if (static_cast<int>(a) < b) pairs.emplace_back(static_cast<int>(a), b);
     }
   }

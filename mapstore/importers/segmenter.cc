@@ -23,6 +23,7 @@ void AppendLandmark(int id, const Track& track, Landmarks& landmarks) {
   Descriptors& descriptors = landmarks.descriptors;
   descriptors.bytes.insert(descriptors.bytes.end(), track.descriptors.begin(),
                            track.descriptors.end());
+  // resize() gives the index to the new rows alone.
   landmarks.descriptor_landmark.resize(static_cast<std::size_t>(descriptors.size()), index);
 }
 
@@ -79,6 +80,7 @@ std::vector<std::vector<int>> CutPath(std::span<const KeyFrame> frames,
 std::vector<std::vector<int>> CutIntoSegments(std::span<const KeyFrame> frames,
                                               std::span<const PointTrack> points, double length) {
   if (const auto order = RecordedOrder(frames)) return CutPath(frames, *order, length);
+  // As wide as a path's segment with what is added at both ends.
   std::vector<std::vector<int>> groups =
       GroupPhotos(frames, points, (1.0 + 2.0 * kOverlap) * length);
   for (std::vector<int>& group : groups) group = OrderByNearness(frames, group);
@@ -87,6 +89,9 @@ std::vector<std::vector<int>> CutIntoSegments(std::span<const KeyFrame> frames,
 
 template <typename Track>
 SegmentMaker::Seen::Seen(std::size_t frames, std::span<const Track> tracks) : begin(frames + 1, 0) {
+  // The tracks of each frame stand together in one list, so that a segment looks at nothing but
+  // what its frames saw. Looking through all tracks for each segment makes an import's time grow
+  // with the square of the map's length.
   for (const Track& track : tracks) {
     for (const std::int32_t frame : track.frames) ++begin[frame + 1];
   }

@@ -84,6 +84,8 @@ void Refine(const std::vector<Observation>& observations, double loss, Pose* pos
     const double weight = 1.0 / (1.0 + error.squaredNorm() / (loss * loss));
     Eigen::Matrix<double, 2, 6> jacobian;
     for (int i = 0; i < 2; ++i) {
+      // The derivative of the projection's coordinate i by the point in the eye's frame, then in
+      // the camera's.
       Eigen::Vector3d in_eye = Eigen::Vector3d::Unit(i) / depth;
       in_eye.z() = -(*projected)(i) / depth;
       const Eigen::Vector3d by_point = seen.eye_from_camera.transpose() * in_eye;

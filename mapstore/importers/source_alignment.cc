@@ -5,6 +5,8 @@
 namespace maploc {
 
 Similarity3 AlignSource(const Eigen::Vector3d& gravity_in_source, double map_units_per_unit) {
+  // CameraFromAligned turns (0, 0, -1) onto the given gravity, so its inverse is the turn wanted
+  // here.
   return {map_units_per_unit, CameraFromAligned(gravity_in_source).conjugate(),
           Eigen::Vector3d::Zero()};
 }

@@ -88,6 +88,7 @@ Result<SourceGravity> TakeEstimate(const PhotoGravity& photos) {
 Result<SourceGravity> FindSourceGravity(const GravityEvidence& evidence,
                                         const std::optional<Eigen::Vector3d>& given, bool force) {
   const std::optional<DirectionFit> measured = FitMeasuredGravity(evidence.measured_in_source);
+  // Also if gravity is given or measured: the photos may contradict it.
   const PhotoGravity photos = EstimateFromPhotos(evidence);
   Result<SourceGravity> chosen = given ? TakeGiven(*given)
                                  : measured

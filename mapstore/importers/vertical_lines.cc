@@ -77,6 +77,7 @@ class Search {
 
   std::optional<Eigen::Vector3d> FindPeak() const {
     std::vector<std::pair<double, Eigen::Vector3d>> scored;
+    // A fixed seed: the same photos always give the same direction.
     Random random(1);
     const auto count = static_cast<std::uint32_t>(all_.size());
     for (int i = 0; count > 1 && i < kHypotheses; ++i) {
@@ -110,6 +111,8 @@ class Search {
         scatter += sum.gradient * sum.gradient.transpose();
         found.segments += sum.segments;
       }
+      // The covariance is from the scatter between photos, because the segments of one photo share
+      // its errors.
       const Eigen::Matrix2d inverse = information.inverse();
       const double factor = SmallSampleFactor(found.photos - 2);
       found.down_in_source.covariance =
@@ -143,6 +146,7 @@ class Search {
     double votes = 0.0;
     for (const PhotoNormals& photo : photos_) {
       double length = 0.0;
+      // Not 0, so that a photo without segments gives no vote instead of 0 / 0.
       double total = 1e-9;
       for (const PlaneNormal& n : photo) {
         total += n.length;

@@ -14,10 +14,12 @@ namespace maploc {
 
 namespace {
 
+// Rows enough for a median, however many there are.
 constexpr int kScaleSamples = 256;
 constexpr double kSiftLength = 512.0;
 constexpr double kUnitLength = 256.0;
 constexpr int kUnitZero = 128;
+// The bytes of fewer floats may be a unit vector by chance.
 constexpr int kFewestUnitElements = 16;
 // Rounding leaves 511 to 514 of some 50,000 rows of three photo collections.
 constexpr double kLengthTolerance = 0.05;

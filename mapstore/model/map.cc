@@ -25,6 +25,7 @@ Status ValidateDescriptors(std::string_view field, const DescriptorKind& kind, i
                            const Descriptors& descriptors,
                            const std::vector<std::int32_t>& descriptor_landmark) {
   const std::string name(field);
+  // A segment without such landmarks need not name the kind.
   if (descriptors.size() == 0 && landmark_count == 0) return Status::Ok();
   if (descriptors.kind != kind) {
     return InvalidArgument(

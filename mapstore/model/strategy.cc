@@ -3,6 +3,8 @@
 namespace maploc {
 
 bool DrawsVerticalLines(Strategy strategy, std::size_t usable_lines, std::size_t vertical_lines) {
+  // A draw of two vertical lines needs both to be right, so 1P1L draws them only if usable lines
+  // are few. In mixed they compete with points as well (server/ransac/README.md).
   if (vertical_lines < 2 || vertical_lines <= usable_lines) return false;
   return strategy == Strategy::kMixed ||
          (strategy == Strategy::k1P1L && usable_lines < kEnoughUsableLines);

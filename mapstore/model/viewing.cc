@@ -45,6 +45,7 @@ ViewingRange MakeViewingRange(const Eigen::Vector3d& position_in_map,
   for (const Eigen::Vector3d& center : camera_centers_in_map) {
     const Eigen::Vector3d toward = center - position_in_map;
     const double distance = toward.stableNorm();
+    // A camera at the landmark itself gives no direction, and distances are stored as float32.
     if (!(distance > 0 && distance <= std::numeric_limits<float>::max())) continue;
     directions.push_back(toward.stableNormalized());
     nearest = std::min(nearest, distance);

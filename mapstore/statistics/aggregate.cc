@@ -53,6 +53,8 @@ void StatisticsFold::Discount(double factor) {
 
 void StatisticsFold::Add(const SegmentSessionRow& row) {
   Age();
+  // The row is judged by what is known without it. The scatter then learns from the same sums,
+  // before a change discounts them.
   const bool is_change = IsChange(row);
   AddScatter(row);
   if (is_change) Discount(options_.change_discount);

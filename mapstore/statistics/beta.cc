@@ -24,6 +24,7 @@ double LogGamma(double x) {
   return shift + (x - 0.5) * std::log(x) - x + 0.91893853320467274 + series;  // log(2 pi) / 2
 }
 
+// Lentz's method divides by these values, so a zero becomes a tiny number.
 double NotZero(double value) { return std::abs(value) < kTiny ? kTiny : value; }
 
 // Converges fast for x < (a + 1) / (a + b + 2).
@@ -77,6 +78,8 @@ double BetaCdf(const BetaDistribution& beta, double x) {
   const auto& [a, b] = beta;
   const double front =
       std::exp(LogGamma(a + b) - LogGamma(a) - LogGamma(b) + a * std::log(x) + b * std::log1p(-x));
+  // The fraction converges fast on one side only. The other side follows from I_x(a, b) = 1 - I_(1
+  // - x)(b, a).
   const double value = x < (a + 1.0) / (a + b + 2.0)
                            ? front * ContinuedFraction(a, b, x) / a
                            : 1.0 - front * ContinuedFraction(b, a, 1.0 - x) / b;
@@ -114,6 +117,8 @@ BetaQuadrature QuadratureOf(const BetaDistribution& beta) {
     diagonal[n] = Diagonal(beta.b - 1.0, beta.a - 1.0, n);
     if (n > 0) subdiagonal[n - 1] = std::sqrt(SquaredSubdiagonal(beta.b - 1.0, beta.a - 1.0, n));
   }
+  // Golub and Welsch: the nodes are the eigenvalues of this tridiagonal matrix, the weights the
+  // squared first components of its eigenvectors.
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kBetaNodes, kBetaNodes>> solver;
   solver.computeFromTridiagonal(diagonal, subdiagonal, Eigen::ComputeEigenvectors);
   for (int n = 0; n < kBetaNodes; ++n) {

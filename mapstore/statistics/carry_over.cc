@@ -57,6 +57,8 @@ class Grid {
     double best = tolerance_ * tolerance_;
     const Cell at = CellOf(position);
     for (int neighbour = 0; neighbour < 27; ++neighbour) {
+      // std::div, because clang-tidy takes an integer quotient among doubles for a loss of
+      // precision.
       const std::div_t plane = std::div(neighbour, 9);
       const std::div_t row = std::div(plane.rem, 3);
       const auto found =
@@ -197,6 +199,7 @@ std::vector<CarriedShare> CarryOver(std::span<const SegmentLandmarks> old_segmen
       })];
     }
     for (const auto& [to, count] : landmarks) {
+      // Of all its landmarks: those that no longer exist leave a share that nobody inherits.
       const double weight = static_cast<double>(count) / static_cast<double>(segment.ids.size());
       shares.push_back({segment.segment, to, weight});
     }

@@ -24,6 +24,7 @@ std::vector<std::int64_t> Apportion(std::int64_t count, const std::vector<double
   std::vector<double> remainders;
   for (const double weight : weights) {
     const double quota = static_cast<double>(count) * weight / total;
+    // A rounding error can make the quotas' sum larger than the count.
     const bool rest = quota >= static_cast<double>(left);
     parts.push_back(rest ? left : static_cast<std::int64_t>(std::floor(quota)));
     remainders.push_back(quota - static_cast<double>(parts.back()));

@@ -33,6 +33,8 @@ std::optional<Difference> Compare(const SessionShares& before, const SessionShar
   if (n <= 0.0 || m <= 0.0) return std::nullopt;
   const double low = before.share.good / before.share.total;
   const double high = after.share.good / after.share.total;
+  // Jeffreys' mean: half a good and half a bad trial are added, so that a record without a failure
+  // does not predict perfection.
   const double mean = (low * n + high * m + 0.5) / (n + m + 1.0);
   return Difference{high - low, mean * (1.0 - mean), 1.0 / n + 1.0 / m,
                     1.0 / before.sessions + 1.0 / after.sessions};
@@ -103,6 +105,7 @@ std::optional<ChangePoint> LastChange(ChangeKind kind, std::span<const SegmentSe
               before.good / before.total,
               after.good / after.total,
               split.deviation};
+    // The later side may have changed once more, and the last change counts.
     begin = split.at;
   }
 }

@@ -9,7 +9,7 @@ namespace {
 
 std::string Name(Strategy strategy) { return std::string(StrategyName(strategy)); }
 
-// The cost too small for three digits would read as nothing.
+// An iteration costs about 1, which needs its decimals; times are far larger.
 std::string NumberText(double value) {
   if (!std::isfinite(value)) return "never";
   return FixedText(value, value < 10.0 ? 2 : 1);

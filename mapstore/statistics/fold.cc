@@ -22,6 +22,7 @@ double MedianOrZero(std::vector<std::int32_t> values) {
 void Count(const Observation& observation, SegmentMatches& segment) {
   SegmentSessionRow& row = segment.row;
   ++row.queries;
+  // The best pose of a failed query was wrong, so its inliers say nothing about the rates.
   if (observation.outcome != Outcome::kLocalized) return;
   ++row.localized;
   const Evidence& evidence = observation.evidence;

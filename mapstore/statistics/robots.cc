@@ -165,6 +165,7 @@ Difference MedianOf(std::span<const Difference> differences) {
     references = std::min(references, d.references);
   }
   const auto count = static_cast<double>(differences.size());
+  // The variance of a median: that of a mean of as many values, times pi / 2.
   if (differences.size() > 1) chance *= kMedianVariance / (count * count);
   return {Median(std::move(own)),
           Median(std::move(others)),

@@ -15,6 +15,7 @@ std::string FixedText(double value, int decimals) {
 std::string UtcText(std::int64_t unix_ns) {
   constexpr std::int64_t kNanos = 1'000'000'000;
   std::time_t seconds = unix_ns / kNanos;
+  // Division rounds towards zero, but a time before 1970 must round down.
   if (unix_ns % kNanos < 0) --seconds;
   std::tm utc{};
   gmtime_r(&seconds, &utc);

@@ -44,6 +44,8 @@ std::vector<Inheritance> WithoutSmall(const WeightOf& weights) {
     }
     for (Inheritance& share : shares) {
       if (share.weight < kLeastWeight) continue;
+      // A sum of rounded products can exceed 1 by a rounding error, which the table's CHECK would
+      // refuse.
       share.weight = std::min(share.weight, 1.0);
       kept.push_back(share);
     }
@@ -70,11 +72,14 @@ std::optional<TrueRow> CarrySession(SegmentId segment, std::vector<const TrueRow
   const TrueRow& any = *parts.front();
   const auto found = shares.find(any.source);
   if (found == shares.end()) return std::nullopt;
-  std::sort(parts.begin(), parts.end(), [](const TrueRow* a, const TrueRow* b) {
-    return a->row.segment < b->row.segment;  // sums have an order
-  });
+  // Sums of floating-point numbers depend on their order. A fixed order keeps results
+  // bit-identical.
+  std::sort(parts.begin(), parts.end(),
+            [](const TrueRow* a, const TrueRow* b) { return a->row.segment < b->row.segment; });
   std::vector<SegmentSessionRow> taught;
   for (const TrueRow* part : parts) taught.push_back(part->row);
+  // A count is divided among all heirs by the largest remainder, so the rows of the other heirs are
+  // computed as well.
   for (SegmentSessionRow& carried : CarryRows(taught, found->second)) {
     if (carried.segment != segment) continue;
     return TrueRow{std::move(carried), any.source, any.end_unix_ns, any.options};
@@ -100,6 +105,7 @@ std::vector<Inheritance> InheritFrom(std::int64_t predecessor, const MapInfo& ol
                                      std::span<const Segment> old_segments,
                                      std::span<const Inheritance> older, const MapInfo& fresh_info,
                                      std::span<const Segment> fresh_segments) {
+  // Ids differ between imports, so landmarks are recognized by their position in a common frame.
   const Similarity3 fresh_from_old =
       fresh_info.map_from_source * old_info.map_from_source.Inverse();
   const auto shares = CarryOver(AllLandmarks(old_segments, fresh_from_old),
@@ -108,6 +114,7 @@ std::vector<Inheritance> InheritFrom(std::int64_t predecessor, const MapInfo& ol
   WeightOf weights;
   for (const CarriedShare& share : shares) {
     weights[{share.to, predecessor, share.from}] += share.weight;
+    // A share of a share: weights along a chain of versions multiply.
     for (const Inheritance& before : older) {
       if (before.to != share.from) continue;
       weights[{share.to, before.source, before.from}] += before.weight * share.weight;

@@ -23,6 +23,7 @@ Blob Encode(std::span<const T> values) {
   return blob;
 }
 
+// Direction x, y, z, the largest angle, the smallest and the largest distance (FORMAT.md).
 constexpr std::size_t kFloatsOfView = 6;
 
 Blob EncodeViewing(std::span<const ViewingRange> viewing) {
@@ -55,7 +56,8 @@ std::uint64_t Hash(std::initializer_list<const Blob*> blobs) {
   return hash;
 }
 
-// Before anything is allocated: the bytes are there.
+// Called before memory is allocated, so that a damaged count cannot ask for any amount of it. The
+// length is divided, because the product with a damaged count could overflow.
 Status CheckLength(std::string_view field, std::size_t bytes, std::int64_t count,
                    std::size_t width) {
   if (count >= 0 && bytes % width == 0 && bytes / width == static_cast<std::uint64_t>(count)) {
@@ -94,6 +96,7 @@ Result<std::vector<ViewingRange>> DecodeViewing(const FeatureBlobs& blobs, std::
 
 Result<Descriptors> DecodeDescriptors(Blob rows, std::int64_t count, const DescriptorKind& kind,
                                       std::string_view field) {
+  // Rows of 0 bytes: the map has no descriptors of this kind, and no count could be checked.
   if (kind.bytes > 0) {
     MAPLOC_RETURN_IF_ERROR(
         CheckLength(field, rows.size(), count, static_cast<std::size_t>(kind.bytes)));
@@ -223,6 +226,7 @@ Result<SegmentPlace> DecodePlace(PlaceBlobs blobs, const DescriptorKind& kind) {
       place.descriptor_landmark,
       Decode<std::int32_t>(blobs.owners, blobs.row_count, "place.descriptor_landmark"));
   MAPLOC_RETURN_IF_ERROR(CheckChecksum(blobs, "place"));
+  // Moved, because copying the rows took a large part of the time to open a large map.
   MAPLOC_ASSIGN_OR_RETURN(
       place.descriptors,
       DecodeDescriptors(std::move(blobs.descriptors), blobs.row_count, kind, "place.descriptors"));

@@ -14,7 +14,8 @@ namespace maploc {
 namespace {
 
 // Sessions of a season: points fade while lines stay, then they come back, so that strategies
-// change. Written down as arithmetic, and never to be edited.
+// change. Never edit these rows: every store would take the change for another derivation and
+// derive all its states again.
 std::vector<SegmentSessionRow> SampleRows() {
   std::vector<SegmentSessionRow> rows;
   for (std::int64_t i = 0; i < 24; ++i) {
@@ -80,6 +81,8 @@ std::string BytesOfDerivation(std::vector<SegmentSessionRow> rows) {
                                 sums.typical_usable_line_matches,
                                 sums.typical_vertical_line_matches,
                                 record.decision.predicted_success};
+    // The exact bits: results are promised to be bit-identical, so a compiler that rounds otherwise
+    // counts as another derivation.
     bytes.append(reinterpret_cast<const char*>(numbers.data()), sizeof(numbers));
     for (const Strategy strategy : record.decision.ranking) bytes += StrategyName(strategy);
     bytes += record.decision.reason;
@@ -172,6 +175,7 @@ SessionSummary SummarizeSession(const SessionId& id, SessionEnd end,
       std::count_if(observations.begin(), observations.end(),
                     [](const Observation& o) { return o.outcome == Outcome::kLocalized; });
   for (const SegmentSessionRow& row : rows) {
+    // Both strategies are placeholders. The caller knows them only after the rows have been folded.
     summary.segments.push_back(
         {row.segment, row.queries, row.localized, Strategy::kMixed, Strategy::kMixed});
   }

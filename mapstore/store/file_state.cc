@@ -15,8 +15,10 @@ std::optional<FileState> FileState::Of(const std::string& path) {
   state.device = file.st_dev;
   state.inode = file.st_ino;
   state.size_bytes = file.st_size;
+  // Not st_ctim, which also changes with the owner and the permissions.
   state.changed_s = file.st_mtim.tv_sec;
   state.changed_ns = file.st_mtim.tv_nsec;
+  // An empty log holds no transaction, so the file alone is still the whole store.
   std::error_code none;
   const auto log_bytes = std::filesystem::file_size(BesideStore(path, "-wal"), none);
   state.has_log = !none && log_bytes > 0;

@@ -13,6 +13,7 @@ namespace {
 
 std::string LockPath(const std::string& store_path) { return BesideStore(store_path, "-imports"); }
 
+// fcntl takes a length of 0 as everything from the start on, however long the file becomes.
 constexpr std::int64_t kToTheEnd = 0;
 
 // `count` bytes from `first`. An open file description's lock, not a process's: two imports in one
@@ -39,6 +40,7 @@ Result<ImportLock> ImportLock::Acquire(const std::string& store_path, std::int64
   const std::string path = LockPath(store_path);
   ImportLock lock(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
   if (lock.file_ < 0) return Failed(store_path);
+  // A lock may lie beyond the end of a file, so the file stays empty.
   struct flock byte = LockOf(import_id, 1);
   if (fcntl(lock.file_, F_OFD_SETLK, &byte) != 0) return Failed(store_path);
   return lock;
@@ -57,6 +59,7 @@ Result<bool> ImportLock::AreHeld(const std::string& store_path, std::int64_t fir
   const std::string path = LockPath(store_path);
   const ImportLock file(open(path.c_str(), O_RDWR | O_CLOEXEC));
   if (file.file_ < 0) {
+    // The first import creates the file, so there has been none yet.
     if (errno == ENOENT) return false;
     return Failed(store_path);
   }

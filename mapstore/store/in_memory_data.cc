@@ -17,6 +17,7 @@ std::vector<Observation> InOrder(const std::map<std::int64_t, Observation>& obse
   std::vector<Observation> ordered;
   for (const auto& [sequence, observation] : observations) {
     ordered.push_back(observation);
+    // No store keeps it (map_store.h). The store on disk has no column for it.
     ordered.back().evidence.focal_scale.reset();
   }
   return ordered;
@@ -39,6 +40,7 @@ SegmentSummary Summarize(const InMemorySegment& stored) {
 
 std::vector<Inheritance> InheritanceOf(const InMemoryMap& map, const InMemoryMap& predecessor) {
   const MapInfo& old_info = predecessor.summary.info;
+  // Sources are named by their version here. The store on disk names them by their row.
   return InheritFrom(old_info.key.version, old_info, PlacesOf(predecessor), predecessor.inheritance,
                      map.summary.info, PlacesOf(map));
 }

@@ -8,6 +8,7 @@ std::vector<TrueRow> InMemoryStore::RowsOf(const InMemoryMap& map, SegmentId id)
   std::vector<TrueRow> rows;
   for (const auto& [order, row] : map.segments[static_cast<std::size_t>(id)].rows) {
     const Session& session = sessions_.at(row.session).session;
+    // The row of a revoked session stays, so that the revoke can be undone.
     if (!session.revoked) rows.push_back({row, session.map.version, session.end_unix_ns, 0});
   }
   return rows;
@@ -35,6 +36,7 @@ SegmentTruth InMemoryStore::TruthOf(const InMemoryMap& map, SegmentId id) const 
 void InMemoryStore::Derive(InMemoryMap& map, SegmentId id) const {
   InMemorySegment& segment = map.segments[static_cast<std::size_t>(id)];
   segment.state = DeriveState(TruthOf(map, id));
+  // The caller increments the counter afterwards, so this is the value that readers will see.
   segment.changed = change_counter_ + 1;
 }
 
@@ -74,6 +76,7 @@ Result<SessionSummary> InMemoryStore::EndSession(const SessionId& id, SessionEnd
   if (found == sessions_.end()) return UnknownSession(id);
   InMemorySession& stored = found->second;
   if (stored.session.end != SessionEnd::kOpen) return stored.summary;
+  // Every check comes before the first change, because this store cannot roll back.
   MAPLOC_RETURN_IF_ERROR(CheckObservations(stored.session, last));
 
   for (const Observation& o : last) stored.observations.try_emplace(o.sequence, o);

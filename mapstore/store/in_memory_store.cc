@@ -61,6 +61,7 @@ class InMemoryWriter : public MapWriter {
 
 const InMemoryMap* InMemoryStore::FindPredecessor(const MapKey& heir) const {
   const InMemoryMap* predecessor = nullptr;
+  // In ascending order of versions: the enabled one, else the newest before the heir.
   for (const auto& [key, map] : maps_) {
     if (key.name != heir.name || heir < key || map.deleted) continue;
     if (predecessor == nullptr || !predecessor->summary.enabled) predecessor = &map;
@@ -88,6 +89,7 @@ void InMemoryStore::Publish(InMemoryMap map, bool enable) {
   }
   InMemoryMap& published = maps_.insert_or_assign(key, std::move(map)).first->second;
   for (const Inheritance& share : published.inheritance) Derive(published, share.to);
+  // Of two imports at the same time the one that began later is newer, whichever ends first.
   const bool is_old = std::any_of(maps_.upper_bound(key), maps_.end(), [&](const auto& entry) {
     return entry.first.name == key.name && entry.second.summary.enabled;
   });
@@ -151,6 +153,7 @@ Status InMemoryStore::DeleteVersion(const MapKey& key) {
   });
   if (open > 0) return VersionInUse(key, open);
   InMemoryMap& map = maps_.at(key);
+  // Only the landmarks go. Rows and weights stay, because newer versions inherit from them.
   map.deleted = true;
   map.summary.enabled_order = 0;
   for (InMemorySegment& segment : map.segments) segment.segment = nullptr;
@@ -220,6 +223,7 @@ Result<std::unique_ptr<MapWriter>> InMemoryStore::BeginImport(const MapInfo& inf
   const std::lock_guard lock(mutex_);
   MapInfo named = info;
   named.key.version = 1;
+  // A deleted version keeps its entry, so that its number is never used again.
   while (maps_.contains(named.key) || imports_.contains(named.key)) ++named.key.version;
   imports_.insert(named.key);
   return std::unique_ptr<MapWriter>(std::make_unique<InMemoryWriter>(*this, std::move(named)));
@@ -278,6 +282,8 @@ Result<std::vector<SessionId>> InMemoryStore::AppendGroup(
     }
     MAPLOC_RETURN_IF_ERROR(CheckObservations(found->second.session, observations));
   }
+  // A second pass, because this store cannot roll back: an error in a later session must leave the
+  // earlier ones unchanged.
   for (const auto& [id, observations] : group) {
     InMemorySession& stored = sessions_.at(id);
     if (stored.session.end != SessionEnd::kOpen) continue;

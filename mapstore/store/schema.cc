@@ -173,9 +173,10 @@ ALTER TABLE decisions ADD COLUMN independent_usable_lines REAL NOT NULL DEFAULT 
 ALTER TABLE decisions ADD COLUMN independent_vertical_lines REAL NOT NULL DEFAULT 0;
 )sql";
 
-// What is in force follows from the rows, the pins and the options alone, and so does the history:
-// it is no longer kept as it grew, but derived (whoever migrates fills segment_states and writes
-// the fingerprint, DeriveAllAnew). A row's options were those of the decision that it caused.
+// States and history follow from rows, pins and options alone, so the history is no longer stored.
+// The caller of the migration fills segment_states and the fingerprint (DeriveAllAnew). A row's
+// options are those of the decision that it caused. A session may itself have the id "pin" or
+// "unpin": its decision has the session's end as its time and is no pin.
 constexpr std::string_view kVersion3 = R"sql(
 INSERT INTO meta VALUES ('derivation_fingerprint', 0);
 
@@ -246,8 +247,9 @@ CREATE TABLE inheritance (
 CREATE INDEX inheritance_by_source ON inheritance (source_map, source_segment);
 )sql";
 
-// Landmarks know from where they were seen; rows of before do not, and their checksums still hold.
-// Outcomes go to 7: SQLite cannot alter a CHECK, so the table is made anew.
+// Landmarks get the directions from which they were seen. Older rows have none, and an empty blob
+// leaves their checksums valid. Outcomes go up to 7: SQLite cannot alter a CHECK, so the table is
+// made anew.
 constexpr std::string_view kVersion5 = R"sql(
 ALTER TABLE segment_features ADD COLUMN viewing BLOB NOT NULL DEFAULT x'';
 ALTER TABLE segment_features ADD COLUMN covariances BLOB NOT NULL DEFAULT x'';

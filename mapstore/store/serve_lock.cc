@@ -28,10 +28,13 @@ Result<ServeLock> ServeLock::Acquire(const std::string& store_path) {
     return CannotLock(store_path, path, errno, "cannot be opened",
                       "the store's folder must exist, and this program be allowed to write in it");
   }
+  // A lock of an open file description, so that two servers in one process exclude each other too.
+  // A length of 0 covers the whole file.
   struct flock whole_file {};
   whole_file.l_type = F_WRLCK;
   whole_file.l_whence = SEEK_SET;
   if (fcntl(lock.file_, F_OFD_SETLK, &whole_file) == 0) return lock;
+  // POSIX allows both numbers for a lock that another holds.
   if (errno == EAGAIN || errno == EACCES) {
     return Status(StatusCode::kUnavailable, "STORE_IN_USE",
                   store_path +

@@ -28,6 +28,7 @@ Status CopyPages(SqliteDatabase& from, SqliteDatabase& to) {
 }
 
 std::filesystem::path FolderOf(const std::string& path) {
+  // A bare file name has an empty parent path, which system calls refuse.
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   return folder.empty() ? "." : folder;
 }
@@ -54,6 +55,8 @@ Status CopyStore(SqliteDatabase& source, const std::string& to) {
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase target,
                           SqliteDatabase::Open(to, SqliteAccess::kCreate, kNobodyElseIsThere));
   MAPLOC_RETURN_IF_ERROR(CopyPages(source, target));
+  // A file that is read without locks may have changed between two pages.
+  MAPLOC_RETURN_IF_ERROR(source.CheckUnchanged());
   // So that it cannot be taken for the store itself, nor the store's log for its own.
   return RenewStamp(target);
 }
@@ -75,6 +78,8 @@ void RemoveStoreFiles(const std::string& path) {
 Status CheckNewStoreFile(const std::string& to) {
   std::error_code error;
   if (std::filesystem::exists(to, error)) return FileExists(to);
+  // AT_EACCESS asks for the effective user, as opening a file does. access() would ask for the real
+  // one.
   return faccessat(AT_FDCWD, FolderOf(to).c_str(), W_OK, AT_EACCESS) == 0 ? Status::Ok()
                                                                           : NotWritten(to);
 }
@@ -82,10 +87,13 @@ Status CheckNewStoreFile(const std::string& to) {
 bool HasNoLinks(int error) { return error == EPERM || error == EOPNOTSUPP || error == ENOSYS; }
 
 bool RenameOverOwnFile(const std::string& from, const std::string& to) {
+  // O_EXCL takes the name, so that the rename replaces nothing but the empty file that was made
+  // here.
   const int own = open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (own < 0) return false;
   close(own);
   if (std::rename(from.c_str(), to.c_str()) == 0) return true;
+  // The caller reports the error of the rename, and remove() may overwrite it.
   const int error = errno;
   std::remove(to.c_str());
   errno = error;
@@ -94,6 +102,8 @@ bool RenameOverOwnFile(const std::string& from, const std::string& to) {
 
 bool RenameToNewName(const std::string& from, const std::string& to) {
   if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
+  // EINVAL: the file system does not know RENAME_NOREPLACE. ENOSYS: the kernel does not know
+  // renameat2.
   const bool unknown = errno == EINVAL || errno == ENOSYS || errno == EOPNOTSUPP;
   return unknown && RenameOverOwnFile(from, to);
 }
@@ -108,7 +118,11 @@ Status BackupSqliteStore(const std::string& from, const std::string& to) {
   SqliteStoreOptions options;
   options.create = false;
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase source, OpenStoreFile(from, options));
+  // Checked first, so that the error names the path that the user gave and not that of the partial
+  // file.
   MAPLOC_RETURN_IF_ERROR(CheckNewStoreFile(to));
+  // The copy gets its name only when it is complete: a crash leaves no half backup that looks
+  // whole.
   const std::string partial = to + ".partial-" + std::to_string(getpid());
   Status status = CopyStore(source, partial);
   if (status.ok()) status = PublishStoreFile(partial, to);

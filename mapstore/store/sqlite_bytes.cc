@@ -24,6 +24,7 @@ class VfsFile {
     open_ = vfs_->xOpen(vfs_, name_.get(), file(), kFlags, nullptr) == SQLITE_OK;
   }
   ~VfsFile() {
+    // SQLite's rule: unless pMethods is null, xClose must be called, even if xOpen failed.
     if (file()->pMethods != nullptr) file()->pMethods->xClose(file());
   }
   VfsFile(const VfsFile&) = delete;
@@ -49,7 +50,7 @@ class VfsFile {
 }  // namespace
 
 Status ReadFirstBytes(const std::string& path, std::span<unsigned char> bytes) {
-  // Nothing else has called SQLite yet, perhaps.
+  // This may be the process's first call of SQLite.
   if (const int result = sqlite3_initialize(); result != SQLITE_OK) {
     return Internal(std::string("SQLite does not start: ") + sqlite3_errstr(result));
   }

@@ -36,9 +36,13 @@ SqliteConnections::Reader::~Reader() {
 }
 
 Status SqliteConnections::Writer::Commit() {
+  // Every transaction writes the stamp, so that each log that is not empty can be compared with the
+  // file (FORMAT.md, "The stamp").
   MAPLOC_RETURN_IF_ERROR(RaiseStamp(*database_));
   MAPLOC_RETURN_IF_ERROR(owner_->identity_->Check(*database_));
   MAPLOC_RETURN_IF_ERROR(transaction_->Commit());
+  // If the file was moved before the commit, the transaction went into the old file and would be
+  // lost. The caller must not report it as stored.
   MAPLOC_RETURN_IF_ERROR(owner_->identity_->CheckPaths());
   owner_->FoldLog();
   return Status::Ok();
@@ -71,7 +75,9 @@ SqliteConnections::SqliteConnections(SqliteDatabase writer,
 
 SqliteConnections::~SqliteConnections() {
   if (read_only()) return;
-  static_cast<void>(Read());  // a last look
+  // A last look at the identity, which also decides below whether closing may write the log into
+  // the file.
+  static_cast<void>(Read());
   if (identity_->state() == SqliteIdentity::State::kGood) return;
   LeaveLogAtClose(writer_);
   for (const std::unique_ptr<SqliteDatabase>& reader : free_readers_) LeaveLogAtClose(*reader);
@@ -81,14 +87,15 @@ SqliteConnections::~SqliteConnections() {
 // folded the log meanwhile, the next commit looks again and folds.
 void SqliteConnections::FoldLog() {
   if (log_pages_ < kFoldLogAtPages || !identity_->IsUnchanged()) return;
+  // A file with half a checkpoint in it would look like a damaged or foreign one.
   const auto no_looks = identity_->HoldLooks();
   // What cannot be folded now stays in the log, and the next commit tries again.
   static_cast<void>(writer_.Execute("PRAGMA wal_checkpoint(PASSIVE)"));
 }
 
-// The log still stands where the next program will look for the log of the file that is there now.
-// Emptied into the file that it belongs to, which is open still, it can harm nobody; and where that
-// file was only moved away, it is whole.
+// The store's file was moved or deleted, but its log is still at the old path, where the next
+// program would replay it into the file that is there now. So the log is written into its own file,
+// which is still open. If that file was only moved, it is complete afterwards.
 void SqliteConnections::FoldLogOfMovedStore() {
   if (read_only() || folded_ || identity_->state() != SqliteIdentity::State::kMoved) return;
   folded_ = writer_.Execute("PRAGMA wal_checkpoint(TRUNCATE)").ok();
@@ -104,6 +111,7 @@ Result<SqliteConnections::Reader> SqliteConnections::Read() {
   Status status = Begin(reader);
   if (status.ok()) return reader;
   reader.transaction_.reset();
+  // Only if no writer is at work: a read never waits for the writer.
   if (const std::unique_lock lock(write_mutex_, std::try_to_lock); lock) FoldLogOfMovedStore();
   return status;
 }
@@ -115,6 +123,8 @@ Status SqliteConnections::Begin(Reader& reader) {
       SqliteTransaction transaction,
       SqliteTransaction::Begin(*reader.database_, SqliteTransaction::Kind::kRead));
   reader.transaction_ = std::make_unique<SqliteTransaction>(std::move(transaction));
+  // Inside the transaction, because this check compares the file's stamp with the one that the
+  // transaction sees.
   return identity_ ? identity_->Check(*reader.database_) : Status::Ok();
 }
 
@@ -130,6 +140,7 @@ Result<SqliteConnections::Writer> SqliteConnections::Write() {
     return Status(StatusCode::kUnavailable, "STORE_BUSY",
                   path() + ": others wait to write into the store; try again");
   }
+  // Before the transaction begins, because SQLite refuses a checkpoint inside one.
   if (const Status status = identity_->CheckPaths(); !status.ok()) {
     FoldLogOfMovedStore();
     return status;

@@ -18,6 +18,7 @@ namespace maploc {
 namespace {
 
 int OpenFlags(SqliteAccess access) {
+  // SQLite takes `immutable` only as a parameter of a URI.
   if (access == SqliteAccess::kFileAlone) {
     return SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
   }
@@ -45,9 +46,10 @@ std::string FileAloneUri(const std::string& path) {
   return uri + "?immutable=1";
 }
 
-// A millisecond at a time (or a little more, as sleeping goes). SQLite's own handler sleeps up to
-// 100 ms between two looks, and an import that takes the lock again and again would win it from an
-// EndSession that sleeps.
+// Sleeps about one millisecond at a time. SQLite's own handler sleeps up to 100 ms between two
+// attempts, and an import that takes the lock again and again would win it from an EndSession that
+// sleeps. `timeout_ms` is a number in the place of a pointer, so that nothing has to outlive the
+// connection.
 int WaitForLock(void* timeout_ms, int times_before) {
   if (times_before >= reinterpret_cast<std::intptr_t>(timeout_ms)) return 0;
   if (WaitLimit::HasPassed()) return 0;
@@ -59,7 +61,8 @@ Status DiskFull(const std::string& where) {
   return ResourceExhausted("DISK_FULL", where + "the disk is full; free some space");
 }
 
-// Of the log, where commits fail, SQLite keeps the number with the file alone.
+// Commits fail while SQLite writes the log. It keeps that error's number with the log's file and
+// not with the connection, where sqlite3_system_errno looks.
 int LastSystemError(sqlite3* handle) {
   sqlite3_file* log = nullptr;
   sqlite3_file_control(handle, "main", SQLITE_FCNTL_JOURNAL_POINTER, &log);
@@ -70,7 +73,7 @@ int LastSystemError(sqlite3* handle) {
   return error != 0 ? error : sqlite3_system_errno(handle);
 }
 
-// SQLite tells a full disk from other failures where it writes, not where it lengthens a file.
+// A full disk is SQLITE_FULL if a write fails, but SQLITE_IOERR if lengthening a file does.
 Status IoFailed(const std::string& where, const std::string& what, int system_error) {
   if (system_error == ENOSPC || system_error == EDQUOT) return DiskFull(where);
   if (system_error == EFBIG) {
@@ -114,9 +117,12 @@ std::vector<std::string_view> ColumnNames(sqlite3_stmt* statement) {
   std::vector<std::string_view> names(static_cast<std::size_t>(sqlite3_column_count(statement)));
   for (std::size_t i = 0; i < names.size(); ++i) {
     const char* name = sqlite3_column_name(statement, static_cast<int>(i));
+    // SQLite returns a null pointer if it has no memory for the name.
     if (name == nullptr) throw std::bad_alloc();
     names[i] = name;
   }
+  // Columns of joined tables can have the same name. Reading one by name would then silently give
+  // the first.
   std::vector<std::string_view> sorted = names;
   std::ranges::sort(sorted);
   const auto twice = std::ranges::adjacent_find(sorted);
@@ -137,15 +143,19 @@ Result<SqliteDatabase> SqliteDatabase::Open(const std::string& path, SqliteAcces
                                             int busy_timeout_ms) {
   sqlite3* handle = nullptr;
   std::optional<FileState> seen;
+  // Before the file is opened, so that a change while it is being opened is noticed too.
   if (access == SqliteAccess::kFileAlone) seen = FileState::Of(path);
   const std::string name = access == SqliteAccess::kFileAlone ? FileAloneUri(path) : FileName(path);
   const int result = sqlite3_open_v2(name.c_str(), &handle, OpenFlags(access), nullptr);
+  // SQLite gives a handle even after a failure: it has the error's text and must be closed.
   SqliteDatabase database(path, access, handle);
   database.seen_ = seen;
   if (result != SQLITE_OK) return database.ErrorOf(result);
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_handler(handle, &WaitForLock,
                        reinterpret_cast<void*>(static_cast<std::intptr_t>(busy_timeout_ms)));
+  // FULL, because with a write-ahead log NORMAL loses the last commits at a power failure. The last
+  // two are SQLite's advice for files that may be damaged or come from others.
   MAPLOC_RETURN_IF_ERROR(
       database.Execute("PRAGMA foreign_keys = ON; PRAGMA synchronous = FULL; "
                        "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;"));
@@ -222,6 +232,7 @@ SqliteStatement::SqliteStatement(SqliteDatabase& database, std::string_view sql)
 
 void SqliteStatement::Reset() {
   sqlite3_reset(statement_.get());
+  // SQLite may prepare a statement again when it runs, and the names that it gave end with that.
   columns_.clear();
 }
 
@@ -272,6 +283,7 @@ Status SqliteStatement::Run() {
 }
 
 int SqliteStatement::IndexOf(ColumnName column) const {
+  // From a statement's second row on, the literals are in place and comparing addresses is enough.
   if (next_ >= columns_.size() || columns_[next_].data() != column.text.data()) {
     if (columns_.empty()) columns_ = ColumnNames(statement_.get());
     if (next_ >= columns_.size() || columns_[next_] != column.text) {
@@ -302,6 +314,8 @@ std::string SqliteStatement::Text(ColumnName column) const {
 
 std::span<const std::uint8_t> SqliteStatement::Bytes(ColumnName column) const {
   const int index = IndexOf(column);
+  // SQLite's documentation wants the length asked for after the pointer: asking may convert the
+  // value.
   const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(statement_.get(), index));
   return {data, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), index))};
 }
@@ -320,6 +334,8 @@ std::string ParametersFor(std::string_view columns) {
 }
 
 Result<SqliteTransaction> SqliteTransaction::Begin(SqliteDatabase& database, Kind kind) {
+  // IMMEDIATE takes the write lock at once. A transaction that reads first and writes later fails
+  // with SQLITE_BUSY, without a wait, if another one has written in between.
   MAPLOC_RETURN_IF_ERROR(
       database.Execute(kind == Kind::kWrite ? "BEGIN IMMEDIATE" : "BEGIN DEFERRED"));
   return SqliteTransaction(database);
@@ -335,6 +351,8 @@ SqliteTransaction::~SqliteTransaction() {
 
 Status SqliteTransaction::Commit() {
   MAPLOC_RETURN_IF_ERROR(database_->Execute("COMMIT"));
+  // Only after success: a COMMIT that fails leaves the transaction open, and the destructor rolls
+  // it back.
   database_ = nullptr;
   return Status::Ok();
 }

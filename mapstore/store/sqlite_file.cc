@@ -72,6 +72,8 @@ Result<bool> CheckPath(const std::string& path, bool create) {
     return NotAStore(path, "is not a file");
   }
   if (std::filesystem::file_size(path, error) > 0) return true;
+  // An empty file may be a store that another process is creating at this moment. Migrate then
+  // waits for that process.
   if (create) return false;
   return NotAStore(path, "is empty; make a store by an import");
 }
@@ -88,6 +90,7 @@ Result<std::int64_t> UserVersion(SqliteDatabase& database) {
 Status Migrate(SqliteDatabase& database) {
   MAPLOC_ASSIGN_OR_RETURN(auto transaction,
                           SqliteTransaction::Begin(database, SqliteTransaction::Kind::kWrite));
+  // Asked again under the write lock: another process may have migrated the store meanwhile.
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t version, UserVersion(database));
   if (version > StoreSchemaVersion()) return TooNew(database.path(), version);
   if (version == StoreSchemaVersion()) return Status::Ok();
@@ -98,8 +101,10 @@ Status Migrate(SqliteDatabase& database) {
     MAPLOC_RETURN_IF_ERROR(
         database.Execute(std::string(StoreMigrations()[static_cast<std::size_t>(i)])));
   }
+  // After all migrations, because both use the columns of the newest schema.
   MAPLOC_RETURN_IF_ERROR(DeriveAllAnew(database));
   MAPLOC_RETURN_IF_ERROR(WriteMissingPlaces(database));
+  // Both numbers are in the file's first page, so writing them is part of the transaction.
   MAPLOC_RETURN_IF_ERROR(
       database.Execute("PRAGMA application_id = " + std::to_string(kStoreApplicationId)));
   MAPLOC_RETURN_IF_ERROR(
@@ -107,7 +112,8 @@ Status Migrate(SqliteDatabase& database) {
   return transaction.Commit();
 }
 
-// For the change of mode SQLite does not wait as it does for other locks, so it is waited for here.
+// SQLite does not call the busy handler while it changes the journal mode, so the wait for other
+// processes is here.
 Status TurnOnWriteAheadLog(SqliteDatabase& database, int busy_timeout_ms) {
   const auto give_up =
       std::chrono::steady_clock::now() + std::chrono::milliseconds(busy_timeout_ms);
@@ -125,6 +131,7 @@ Status DeriveAnewIfStale(SqliteDatabase& database) {
   if (!stale) return Status::Ok();
   MAPLOC_ASSIGN_OR_RETURN(auto transaction,
                           SqliteTransaction::Begin(database, SqliteTransaction::Kind::kWrite));
+  // Another process may have done it while this one waited for the write lock.
   MAPLOC_ASSIGN_OR_RETURN(const bool still_stale, IsStale(database));
   if (!still_stale) return Status::Ok();
   MAPLOC_RETURN_IF_ERROR(DeriveAllAnew(database));
@@ -145,8 +152,8 @@ Status NotOfThisProgram(const std::string& path) {
                                 "--store COPY`");
 }
 
-// A program that has a store open has its log there; without one the file is whole, and still for
-// as long as CheckUnchanged says so. A disk that is mounted read-only is no exception: it may be
+// A program that has the store open has its log beside it. Without a log the file is complete, and
+// CheckUnchanged notices later changes. A disk that is mounted read-only is no exception: it may be
 // mounted for writing elsewhere.
 SqliteAccess AccessWithoutWriting(const std::string& path) {
   std::error_code error;
@@ -175,6 +182,7 @@ bool CanWriteStore(const std::string& path) {
   const auto can_write = [](const std::filesystem::path& name) {
     return faccessat(AT_FDCWD, name.c_str(), W_OK, AT_EACCESS) == 0;
   };
+  // The folder too: SQLite creates the log and its index there.
   return error || (can_write(real) && can_write(real.parent_path()));
 }
 

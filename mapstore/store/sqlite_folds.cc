@@ -12,7 +12,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// The numbers of a state, one after the other. `Visitor` is called with each.
+// One list for writing and reading. Its order is the format of the blob (FORMAT.md).
 template <typename State, typename Visitor>
 void ForEachNumber(State& state, const Visitor& visit) {
   auto& sums = state.sums;
@@ -41,6 +41,7 @@ Bytes Encode(const SelectorState& state) {
 
 std::optional<SelectorState> Decode(std::span<const std::uint8_t> bytes) {
   static const std::size_t size = Encode({}).size();
+  // Every number has a fixed width, so a blob of another length is damaged.
   if (bytes.size() != size) return std::nullopt;
   const std::size_t hash_at = size - sizeof(std::uint64_t);
   if (HashOf(bytes.first(hash_at)) != ReadLittleEndian<std::uint64_t>(&bytes[hash_at])) {

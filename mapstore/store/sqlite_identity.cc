@@ -25,7 +25,8 @@ bool IsSameTime(const timespec& a, const timespec& b) {
   return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec;
 }
 
-// The clock of files ticks every few milliseconds: a second write within a tick leaves no trace.
+// File times have the resolution of the kernel's tick, at most 10 ms: a second write within a tick
+// leaves no trace. Twice that is safe.
 bool IsSettled(const struct stat& file) {
   constexpr std::int64_t kTickNs = 20'000'000;
   timespec now{};
@@ -60,7 +61,8 @@ Result<std::unique_ptr<SqliteIdentity>> SqliteIdentity::Of(SqliteDatabase& datab
   for (Beside& beside : identity->beside_) {
     if (stat(beside.path.c_str(), &beside.seen) != 0) return CannotLook(beside.path);
   }
-  // SQLite knows the file that it has open, behind links; the path as given names it, too?
+  // SQLite followed links when it opened the file. If the path leads to another file now, the store
+  // was replaced while it was being opened.
   struct stat real {};
   const bool same = stat(file, &real) == 0 && IsSameFile(real, now);
   if (!same || HasMoved(database)) {
@@ -84,6 +86,7 @@ Result<struct stat> SqliteIdentity::LookAtPaths() {
   const std::string restore = "`maploc-map restore --store " + path_ + " --from BACKUP`";
   Stat file{};
   if (stat(path_.c_str(), &file) != 0) {
+    // Any other error may pass, so it is reported without condemning the store for good.
     if (errno != ENOENT && errno != ENOTDIR) return CannotLook(path_);
     return Fail(State::kMoved, "was deleted or moved away",
                 "stop the server, put the store back or use " + restore + ", and start it again");
@@ -147,8 +150,10 @@ std::optional<std::int64_t> SqliteIdentity::StampNow() {
   }
 }
 
-// The file holds a state between the last look at it and the state that the transaction sees: what
-// the transaction does not see yet no checkpoint may write while it runs.
+// While a transaction runs, no checkpoint writes what the transaction does not see. So the stamp in
+// the file lies between the one at the last look and the transaction's own. A missing stamp
+// compares as smaller than any: it is right in a store without stamps, and wrong in a file that had
+// one.
 Status SqliteIdentity::CheckContent(SqliteDatabase& database, const Stat& now) {
   const Result<std::optional<std::int64_t>> newest = ReadStamp(database);
   const std::optional<std::int64_t> in_file = StampNow();

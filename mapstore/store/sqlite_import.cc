@@ -42,6 +42,7 @@ Status InsertSegment(SqliteDatabase& database, std::int64_t map, const Segment& 
       .Run();
 }
 
+// Deleted versions keep their row, so that their numbers are not used again.
 Result<std::int64_t> NextVersion(SqliteDatabase& database, const std::string& name) {
   SqliteStatement statement(
       database, "SELECT COALESCE(MAX(version), 0) + 1 AS next FROM map_versions WHERE name = ?1");
@@ -75,8 +76,9 @@ Result<std::int64_t> InsertMap(SqliteDatabase& database, const MapInfo& info) {
 
 enum class ImportOwner { kThisWriter, kUnknown };
 
-// Asked in the very transaction that deletes: since an earlier look the import may have been
-// published, or may have gone. Whoever inserts an import's row holds its lock before.
+// Asked in the transaction that deletes, because since an earlier look the import may have been
+// published or removed. BeginSqliteImport takes the lock before it commits the row, so a row
+// without a lock was left by a dead import.
 Result<bool> MayDelete(const SqliteConnections& connections, SqliteDatabase& database,
                        std::int64_t map, ImportOwner owner) {
   SqliteStatement find(database, "SELECT 1 FROM map_versions WHERE id = ?1 AND state = 0");
@@ -102,7 +104,10 @@ Status DeleteImport(SqliteConnections& connections, std::int64_t map, ImportOwne
       return writer.Commit();
     }
     const std::int64_t segment = find.Int("first");
+    // States, checkpoints and weights are there if the import ended after Inherit. All rows that
+    // refer to the segment go before it, because SQLite checks foreign keys at each statement.
     for (const char* sql : {"DELETE FROM segment_states WHERE map = ?1 AND segment = ?2",
+                            "DELETE FROM segment_folds WHERE map = ?1 AND segment = ?2",
                             "DELETE FROM inheritance WHERE map = ?1 AND segment = ?2",
                             "DELETE FROM segment_features WHERE map = ?1 AND segment = ?2",
                             "DELETE FROM segment_places WHERE map = ?1 AND segment = ?2",
@@ -168,6 +173,7 @@ class SqliteMapWriter : public MapWriter {
   Status AddSegment(const Segment& segment) override {
     if (committed_) return ImportCommitted();
     MAPLOC_RETURN_IF_ERROR(ValidateNextSegment(info_, segment, next_));
+    // Encoded before the write lock is taken, because others wait for it.
     const FeatureBlobs points = EncodePoints(segment.points);
     const FeatureBlobs lines = EncodeLines(segment.lines);
     const SegmentPlace place = PlaceOf(segment);
@@ -178,6 +184,7 @@ class SqliteMapWriter : public MapWriter {
     MAPLOC_RETURN_IF_ERROR(InsertFeatures(database, row_id_, segment.id, kLinesType, lines));
     MAPLOC_RETURN_IF_ERROR(InsertPlace(database, row_id_, place));
     MAPLOC_RETURN_IF_ERROR(writer.Commit());
+    // Only after the commit: a segment that was not stored must not be counted.
     counter_.Add(segment);
     places_.push_back(WithoutDescriptors(segment));
     ++next_;
@@ -224,6 +231,7 @@ class SqliteMapWriter : public MapWriter {
     MAPLOC_RETURN_IF_ERROR(WriteDown(shares));
     for (std::size_t i = 0; i < shares.size(); ++i) {
       const SegmentId heir = shares[i].to;
+      // Shares are sorted by heir, so an heir's shares are neighbours.
       if (i > 0 && shares[i - 1].to == heir) continue;
       MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_.Write());
       MAPLOC_RETURN_IF_ERROR(DeriveAnew(writer.database(), row_id_, heir,
@@ -264,12 +272,13 @@ Result<std::vector<std::int64_t>> UnpublishedMaps(SqliteConnections& connections
 Result<std::unique_ptr<MapWriter>> BeginSqliteImport(SqliteConnections& connections,
                                                      const MapInfo& info) {
   MAPLOC_RETURN_IF_ERROR(ValidateMapInfo(info));
+  // Without a server nobody else removes what killed imports have left.
   MAPLOC_RETURN_IF_ERROR(SweepSqliteImports(connections));
   MapInfo named = info;
   MAPLOC_ASSIGN_OR_RETURN(auto writer, connections.Write());
   MAPLOC_ASSIGN_OR_RETURN(named.key.version, NextVersion(writer.database(), info.key.name));
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t row_id, InsertMap(writer.database(), named));
-  // Before the commit: from the moment it can be seen, the import is seen to be alive.
+  // Before the commit, so that no other process sees the row without its lock and deletes it.
   MAPLOC_ASSIGN_OR_RETURN(ImportLock lock, ImportLock::Acquire(connections.path(), row_id));
   MAPLOC_RETURN_IF_ERROR(writer.Commit());
   return std::unique_ptr<MapWriter>(
@@ -283,6 +292,7 @@ Status SweepSqliteImport(SqliteConnections& connections, std::int64_t map) {
 Status SweepSqliteImports(SqliteConnections& connections) {
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<std::int64_t> maps, UnpublishedMaps(connections));
   for (const std::int64_t map : maps) {
+    // This look only saves taking the write lock. DeleteImport decides in its own transaction.
     MAPLOC_ASSIGN_OR_RETURN(const bool alive, ImportLock::IsHeld(connections.path(), map));
     if (!alive) MAPLOC_RETURN_IF_ERROR(SweepSqliteImport(connections, map));
   }

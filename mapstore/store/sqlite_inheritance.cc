@@ -10,8 +10,8 @@ Inheritance ShareAt(const SqliteStatement& row) {
           row.Real("weight")};
 }
 
-// What SharesBehind chooses of a version's shares, without reading them all. CROSS JOIN keeps
-// SQLite from it.
+// The same as SharesBehind, without reading all shares of the version. CROSS JOIN fixes the order
+// of the join; otherwise SQLite scans the version under the write lock (MEASUREMENTS.md).
 Result<std::vector<Inheritance>> ReadSharesBehind(SqliteDatabase& database, std::int64_t map,
                                                   SegmentId id) {
   SqliteStatement statement(database,

@@ -29,9 +29,11 @@ Status LearnSegment(SqliteDatabase& database, const StoredMap& map, const Segmen
   return KeepStrategies(database, map.row_id, row.session, change);
 }
 
-// The segments of newer versions that inherit from segments whose rows have changed: one session's.
+// The segments of newer versions that inherit from segments whose rows have changed. All rows are
+// of one session, so they have one position in the folding order.
 Status DeriveHeirs(SqliteDatabase& database, const StoredMap& map,
                    std::span<const SegmentSessionRow> changed, const SelectorOptions& options) {
+  // A set: an heir of several of the session's segments is derived once.
   std::set<std::pair<std::int64_t, SegmentId>> heirs;
   for (const SegmentSessionRow& row : changed) {
     MAPLOC_ASSIGN_OR_RETURN(const auto of_segment, ReadHeirs(database, map.row_id, row.segment));
@@ -57,6 +59,7 @@ Result<SessionSummary> EndSqliteSession(SqliteConnections& connections, const Se
 
   MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(database, session.map));
   MAPLOC_RETURN_IF_ERROR(InsertObservations(database, map, id, last));
+  // Read back, because most of them were appended during the session (AppendGroup).
   MAPLOC_ASSIGN_OR_RETURN(const auto observations, ReadObservations(database, id));
   const std::vector<SegmentSessionRow> rows = FoldObservations(session, observations);
   SessionSummary summary = SummarizeSession(id, end, observations, rows);
@@ -67,6 +70,7 @@ Result<SessionSummary> EndSqliteSession(SqliteConnections& connections, const Se
     MAPLOC_RETURN_IF_ERROR(
         LearnSegment(database, map, rows[i], options, options_row, summary.segments[i]));
   }
+  // After all rows of the session, because an heir can inherit from several of its segments.
   MAPLOC_RETURN_IF_ERROR(DeriveHeirs(database, map, rows, options));
   MAPLOC_RETURN_IF_ERROR(writer.CommitVisibly());
   return summary;
@@ -77,6 +81,7 @@ Status SetSqliteSessionRevoked(SqliteConnections& connections, const SessionId& 
   SqliteDatabase& database = writer.database();
   MAPLOC_ASSIGN_OR_RETURN(const Session session, ReadSession(database, id));
   if (session.revoked == revoked) return Status::Ok();
+  // Unlike ReadMap this finds deleted versions: newer versions still inherit from their sessions.
   MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMapOfSession(database, session));
   MAPLOC_RETURN_IF_ERROR(MarkRevoked(database, id, revoked));
   MAPLOC_ASSIGN_OR_RETURN(const auto rows, ReadRowsOfSession(database, id));

@@ -26,7 +26,8 @@ constexpr std::size_t kFrameSaltAt = 8;
 constexpr std::size_t kSaltBytes = 8;
 constexpr std::uint32_t kLargestPage = 65536;
 
-// Another process may write file and log between two looks at them; a stranger's log stays strange.
+// If another process commits or checkpoints between reading the file and reading its log, the two
+// seem unrelated for a moment. A foreign log seems so every time.
 constexpr int kLooks = 4;
 constexpr std::chrono::milliseconds kBetweenLooks{5};
 
@@ -63,6 +64,7 @@ std::optional<StampsInLog> ReadStampsInLog(const std::string& log_path, std::int
   std::array<char, kHeaderBytes> header{};
   if (!log.read(header.data(), header.size())) return std::nullopt;
   const auto page_size = BigEndian(std::span(header).subspan(kPageSizeAt, 4));
+  // The header's bytes may be anything, and a page of this size is allocated below.
   if (page_size == 0 || page_size > kLargestPage) return std::nullopt;
   std::optional<StampsInLog> stamps;
   std::array<char, kFrameHeaderBytes> frame{};

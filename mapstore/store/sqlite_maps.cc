@@ -6,6 +6,7 @@
 namespace maploc {
 namespace {
 
+// `enabled_order > 0`: a name of which all versions are staged has no enabled version.
 constexpr std::string_view kMapColumns =
     "id, name, version, metric, scale, rotation_x, rotation_y, rotation_z, rotation_w, "
     "translation_x, translation_y, translation_z, point_kind, point_kind_bytes, "
@@ -107,6 +108,7 @@ Result<StoredMap> ReadEnabledMap(SqliteDatabase& database, const std::string& na
   SqliteStatement statement(database, SelectMaps("AND name = ?1 AND enabled"));
   MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(name).Step());
   if (found) return MapAt(statement);
+  // Only for the error: a name without an enabled version has another cure than an unknown name.
   SqliteStatement any(database, SelectMaps("AND deleted = 0 AND name = ?1 LIMIT 1"));
   MAPLOC_ASSIGN_OR_RETURN(const bool disabled, any.Bind(name).Step());
   return disabled ? NoVersionEnabled(name) : UnknownMap(name);
@@ -166,6 +168,7 @@ Result<std::shared_ptr<const Segment>> ReadSegment(SqliteDatabase& database, con
   const std::string where = WhereIs(database, map, id);
   Result<SegmentSummary> counts = ReadSegmentCounts(database, map, id);
   if (!counts.ok()) {
+    // NOT_FOUND names map and segment already.
     const bool damaged = counts.status().code() == StatusCode::kDataLoss;
     return damaged ? counts.status().WithContext(where) : counts.status();
   }

@@ -5,7 +5,9 @@
 namespace maploc {
 namespace {
 
-// The hash (FNV-1a, HashBytes) of what stood before `last`, from the hash of both.
+// The hash (FNV-1a, HashBytes) of what stood before `last`, from the hash of both. A step is hash =
+// (hash ^ byte) * prime; the prime is odd, so it has an inverse modulo 2^64 and each step can be
+// undone.
 std::uint64_t HashBefore(std::span<const std::uint8_t> last, std::uint64_t hash) {
   constexpr std::uint64_t kInverseOfPrime = 0xce965057aff6957bull;
   static_assert(kInverseOfPrime * 0x100000001b3ull == 1);

@@ -49,6 +49,8 @@ Status InsertPlace(SqliteDatabase& database, std::int64_t map, const SegmentPlac
 Result<SegmentPlace> ReadPlace(SqliteDatabase& database, const StoredMap& map, SegmentId id) {
   SqliteStatement statement(database, kSelect);
   MAPLOC_ASSIGN_OR_RETURN(const bool found, statement.Bind(map.row_id, id).Step());
+  // The migration to schema version 9 leaves out damaged segments. Reading one here reports the
+  // damage.
   if (!found) return DeriveFromLandmarks(database, map, id);
   Result<SegmentPlace> place = DecodePlace(BlobsAt(statement), map.summary.info.point_descriptor);
   if (!place.ok()) return place.status().WithContext(WhereIs(database, map, id));
@@ -81,6 +83,7 @@ Status WriteMissingPlaces(SqliteDatabase& database) {
                             }));
     for (const std::int32_t id : ids) {
       const Result<SegmentPlace> place = DeriveFromLandmarks(database, map, id);
+      // One damaged segment must not keep the whole store from being opened.
       if (place.status().code() == StatusCode::kDataLoss) continue;
       if (!place.ok()) return place.status();
       MAPLOC_RETURN_IF_ERROR(InsertPlace(database, map.row_id, *place));

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "mapstore/store/beside_store.h"
 #include "mapstore/store/import_lock.h"
 #include "mapstore/store/restore.h"
 #include "mapstore/store/serve_lock.h"
@@ -53,7 +54,8 @@ Result<ServeLock> LockOut(const std::string& store) {
 Result<SqliteDatabase> OpenSource(const std::string& from) {
   MAPLOC_RETURN_IF_ERROR(CheckStoreFile(from));
   std::error_code none;
-  const auto log_bytes = fs::file_size(from + "-wal", none);
+  // The log lies beside the file itself, which `from` may name by a link.
+  const auto log_bytes = fs::file_size(BesideStore(from, "-wal"), none);
   const bool has_log = !none && log_bytes > 0;
   return SqliteDatabase::Open(from, has_log ? SqliteAccess::kRead : SqliteAccess::kFileAlone,
                               kBusyTimeoutMs);
@@ -67,6 +69,7 @@ Status BringUpToDateAndVerify(const std::string& path) {
 }
 
 Result<RestoredStore> CountWhatIsIn(const std::string& path) {
+  // The store is closed again, so its log is in the file and nothing needs to appear beside it.
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase database,
                           SqliteDatabase::Open(path, SqliteAccess::kFileAlone, kBusyTimeoutMs));
   SqliteStatement count(database,
@@ -87,14 +90,16 @@ Status Settle(const std::string& partial, const Place& store) {
                           chmod(partial.c_str(), old.st_mode & 07777) == 0;
     if (!like_old) return Failed(store, partial);
   }
+  // On disk before the rename, so that after a power failure the store's name has a complete file.
   const int file = open(partial.c_str(), O_RDONLY | O_CLOEXEC);
   const bool synced = file >= 0 && fsync(file) == 0;
   if (file >= 0) close(file);
   return synced ? Status::Ok() : Failed(store, partial);
 }
 
-// The store that is there, under other names for as long as its place is not taken for good. They
-// belong together as SQLite sees it: were we killed now, nothing would be lost.
+// Keeps the old store under other names until the new one is in place. Its file and logs keep
+// matching names, so that they are one store for SQLite: if this process is killed meanwhile,
+// nothing is lost.
 class OldStore {
  public:
   explicit OldStore(const Place& place)
@@ -118,16 +123,17 @@ class OldStore {
     for (const std::string& suffix : moved_) {
       std::rename((aside_ + suffix).c_str(), (path_ + suffix).c_str());
     }
-    // Of two names of one file rename removes none; of two files it brings the old one back.
+    // If both names are the same file, rename() does nothing and the second name is removed below.
+    // Otherwise it brings the old file back.
     std::rename(aside_.c_str(), path_.c_str());
     std::remove(aside_.c_str());
   }
   void Discard() const { RemoveStoreFiles(aside_); }
 
  private:
-  // The file keeps its name as well, so that there is a store at every moment. Where the file
-  // system knows no links there is none until the new file is in place; were we killed in between,
-  // the old file and its logs would lie there under the other name.
+  // By a link the file keeps its own name as well, so that there is a store at every moment. On
+  // file systems without links the path is empty until the new file is in place; if this process is
+  // killed in between, the old file and its logs are under the other name.
   bool GiveSecondName() const {
     if (link(path_.c_str(), aside_.c_str()) == 0) return true;
     return HasNoLinks(errno) && std::rename(path_.c_str(), aside_.c_str()) == 0;

@@ -34,6 +34,7 @@ FeatureCounts CountsAt(const SqliteStatement& row, ColumnName matches, ColumnNam
   return {row.Int32(matches), row.Int32(inliers)};
 }
 
+// In the order in which InsertObservation binds them.
 constexpr std::string_view kObservationColumns =
     "session, sequence, segment, outcome, point_matches, point_inliers, usable_line_matches, "
     "usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back, "
@@ -108,6 +109,7 @@ SegmentSessionRow RowAt(const SqliteStatement& statement) {
 }  // namespace
 
 Status InsertSession(SqliteDatabase& database, const StoredMap& map, const Session& session) {
+  // DO NOTHING, so that a known id can be told from other constraints that fail.
   SqliteStatement insert(database,
                          "INSERT INTO sessions (id, map, robot, start_unix_ns, end_unix_ns, end, "
                          "revoked) VALUES (?1, ?2, ?3, ?4, 0, 0, 0) ON CONFLICT DO NOTHING");
@@ -179,6 +181,7 @@ Result<SessionSummary> ReadSummary(SqliteDatabase& database, const Session& sess
 
 Status InsertObservations(SqliteDatabase& database, const StoredMap& map, const SessionId& id,
                           std::span<const Observation> observations) {
+  // Appending twice stores once: a sequence that is known keeps what it has.
   const std::string columns(kObservationColumns);
   SqliteStatement insert(database, "INSERT INTO observations (" + columns + ") VALUES " +
                                        ParametersFor(columns) +
@@ -202,6 +205,8 @@ Result<std::vector<Observation>> ReadObservations(SqliteDatabase& database, cons
 
 Status InsertRow(SqliteDatabase& database, std::int64_t map, const SegmentSessionRow& row,
                  std::int64_t options) {
+  // The strategies before and after (3, mixed) are placeholders until KeepStrategies: the row must
+  // exist before the strategy after it can be derived.
   SqliteStatement insert(
       database,
       "INSERT INTO segment_sessions (map, segment, session, queries, localized, point_matches, "
@@ -231,6 +236,7 @@ Status KeepStrategies(SqliteDatabase& database, std::int64_t map, const SessionI
 
 Result<std::vector<TrueRow>> ReadRows(SqliteDatabase& database, std::int64_t map, SegmentId id,
                                       const FoldPosition& after) {
+  // A row has a copy of its session's start, because an index cannot span two tables.
   SqliteStatement statement(database,
                             "SELECT " + std::string(kRowColumns) +
                                 ", s.end_unix_ns, r.options "

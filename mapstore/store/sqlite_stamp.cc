@@ -9,7 +9,7 @@ constexpr int kNoWait = 0;
 
 std::int64_t NewStamp() {
   std::random_device device;
-  // Room for the transactions to come above, no overflow for ages.
+  // At most 2^61, so that one more for every transaction never overflows in practice.
   std::uniform_int_distribution<std::int64_t> any(kLeastStamp, kLeastStamp << 5);
   return any(device);
 }
@@ -34,6 +34,7 @@ Result<std::optional<std::int64_t>> ReadStamp(SqliteDatabase& database) {
 Status EnsureStamp(SqliteDatabase& database) {
   MAPLOC_ASSIGN_OR_RETURN(const std::optional<std::int64_t> stamp, ReadStamp(database));
   if (stamp) return Status::Ok();
+  // IGNORE: if another process does the same at this moment, the first stamp stays.
   MAPLOC_RETURN_IF_ERROR(WriteStamp(database, "INSERT OR IGNORE"));
   // Into the main file, where a later look at the file alone finds it. Another process's reader may
   // keep it in the log for now.

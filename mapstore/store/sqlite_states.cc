@@ -9,6 +9,7 @@
 namespace maploc {
 namespace {
 
+// In the order in which WriteState binds them.
 constexpr std::string_view kStateColumns =
     "map, segment, options, pinned, strategy, source, reason, predicted_success, sessions, "
     "queries, "
@@ -17,7 +18,7 @@ constexpr std::string_view kStateColumns =
     "typical_usable_line_matches, typical_vertical_line_matches, weighted_queries, "
     "weighted_localized, independent_points, independent_usable_lines, independent_vertical_lines, "
     "second_choice, third_choice, changed";
-// After those of version 1: half_life_sessions to cost_mixed.
+// In the order in which OptionsRow binds them.
 constexpr std::string_view kOptionColumns =
     "half_life_sessions, change_discount, independent_matches_per_query, min_localized_queries, "
     "prior_matches, prior_inlier_ratio, hysteresis, cost_1p1l, cost_2p, cost_mixed, "
@@ -144,7 +145,8 @@ Status WriteState(SqliteDatabase& database, std::int64_t map, SegmentId id,
       .Run();
 }
 
-// A reader that looks for changes finds no row, so it is told that there was one.
+// A deleted row cannot carry `changed`. So this number tells ReadChanged that any segment may have
+// changed.
 Status DeleteState(SqliteDatabase& database, std::int64_t map, SegmentId id) {
   SqliteStatement remove(database, "DELETE FROM segment_states WHERE map = ?1 AND segment = ?2");
   MAPLOC_RETURN_IF_ERROR(remove.Bind(map, id).Run());
@@ -158,6 +160,7 @@ Status FoldOn(SqliteDatabase& database, std::int64_t map, SegmentId id,
               const std::optional<FoldCheckpoint>& last, std::span<const TrueRow> rows,
               SelectorFold& fold) {
   if (rows.empty()) return Status::Ok();
+  // This checkpoint was stored only because its row was the last one, which another is now.
   if (last && !IsKept(last->state)) {
     MAPLOC_RETURN_IF_ERROR(DeleteCheckpoint(database, map, id, last->position));
   }
@@ -172,6 +175,7 @@ Status FoldOn(SqliteDatabase& database, std::int64_t map, SegmentId id,
 
 Result<std::vector<std::pair<std::int64_t, SegmentId>>> SegmentsWithTruth(
     SqliteDatabase& database) {
+  // An heir may have shares but no row of its own yet.
   SqliteStatement statement(database,
                             "SELECT map, segment FROM segment_sessions UNION "
                             "SELECT map, segment FROM pins UNION "
@@ -192,6 +196,7 @@ Result<SegmentTruth> ReadTruth(SqliteDatabase& database, std::int64_t map, Segme
   for (TrueRow& row : rows) {
     truth.rows.push_back(std::move(row.row));
     truth.ends_unix_ns.push_back(row.end_unix_ns);
+    // The newest row's options prevail over those of the last pin (FORMAT.md).
     options = row.options;
   }
   if (options) {
@@ -263,6 +268,8 @@ Result<SegmentState> DeriveAnew(SqliteDatabase& database, std::int64_t map, Segm
   MAPLOC_RETURN_IF_ERROR(ReadPins(database, map, id, pins, options_row));
   if (last) options_row = last->row_options;
   if (!rows.empty()) options_row = rows.back().options;
+  // Sums that were folded with other options cannot be continued. The call below finds no
+  // checkpoint, so it does not come here again.
   if (last && last->options != *options_row) {
     return DeriveAnew(database, map, id, defaults, BeforeAllRows());
   }
@@ -274,6 +281,7 @@ Result<SegmentState> DeriveAnew(SqliteDatabase& database, std::int64_t map, Segm
   MAPLOC_RETURN_IF_ERROR(FoldOn(database, map, id, last, rows, fold));
   const SegmentState state =
       StateOf(fold, options, pins.empty() ? std::nullopt : pins.back().strategy);
+  // Without rows and pins there is no state to store: readers derive it with their own options.
   MAPLOC_RETURN_IF_ERROR(options_row ? WriteState(database, map, id, state)
                                      : DeleteState(database, map, id));
   return state;
@@ -297,6 +305,8 @@ Result<bool> IsStale(SqliteDatabase& database) {
 
 Status DeriveAllAnew(SqliteDatabase& database) {
   MAPLOC_RETURN_IF_ERROR(database.Execute("DELETE FROM segment_folds"));
+  // The default options below matter only to segments without rows and pins, whose state is not
+  // stored.
   MAPLOC_ASSIGN_OR_RETURN(const auto segments, SegmentsWithTruth(database));
   for (const auto& [map, id] : segments) {
     MAPLOC_RETURN_IF_ERROR(

@@ -26,12 +26,14 @@ std::string NameOf(const StoredMap& map, SegmentId id) {
 }
 
 Status CheckIntegrity(SqliteDatabase& database) {
+  // (1): one fault is enough to call the store damaged, and the check ends there.
   SqliteStatement integrity(database, "PRAGMA integrity_check(1)");
   MAPLOC_ASSIGN_OR_RETURN(const bool row, integrity.Step());
   if (!row || integrity.Text("integrity_check") != "ok") {
     return Broken(database,
                   "the file is damaged (" + (row ? integrity.Text("integrity_check") : "") + ")");
   }
+  // integrity_check does not look at foreign keys.
   SqliteStatement keys(database, "PRAGMA foreign_key_check");
   MAPLOC_ASSIGN_OR_RETURN(const bool orphan, keys.Step());
   if (orphan) {
@@ -50,6 +52,8 @@ Status CheckCheckpoints(SqliteDatabase& database, const StoredMap& map, SegmentI
   auto next = checkpoints.begin();
   for (const TrueRow& row : rows) {
     fold.Add(row.row);
+    // A checkpoint at the place of no row is never passed, so it is found below as one that is
+    // left.
     if (next == checkpoints.end() || next->position != row.position()) continue;
     if (next->state != fold.state() || next->row_options != row.options ||
         next->options != rows.back().options) {
@@ -85,6 +89,7 @@ Status CheckState(SqliteDatabase& database, const StoredMap& map, SegmentId id) 
 // What is kept for place recognition is what the segment says, to the bit.
 Status CheckPlace(SqliteDatabase& database, const StoredMap& map, const Segment& segment) {
   MAPLOC_ASSIGN_OR_RETURN(const SegmentPlace kept, ReadPlace(database, map, segment.id));
+  // The checksum covers all that is stored of a place. The path is read from the segment itself.
   if (EncodePlace(kept).checksum == EncodePlace(PlaceOf(segment)).checksum) return Status::Ok();
   return Broken(database, NameOf(map, segment.id) + ": its place differs from its landmarks");
 }
@@ -103,6 +108,7 @@ Status CheckSegment(SqliteDatabase& database, const StoredMap& map, SegmentId id
 
 // Shares go to one version at most whole, and come from older versions of the same map.
 Status CheckInheritance(SqliteDatabase& database, const StoredMap& map) {
+  // Weights are rounded, so their sum may exceed 1 by a little.
   SqliteStatement shares(database,
                          "SELECT source_segment FROM inheritance WHERE map = ?1 "
                          "GROUP BY source_map, source_segment HAVING SUM(weight) > 1.000001");
@@ -151,6 +157,7 @@ Status CheckSession(SqliteDatabase& database, const Session& session) {
   }
   MAPLOC_ASSIGN_OR_RETURN(const SessionSummary kept, ReadSummary(database, session));
   const SessionSummary counted = SummarizeSession(session.id, session.end, observations, rows);
+  // The strategies are left out: they are kept as they were answered and cannot be derived again.
   if (kept.queries != counted.queries || kept.localized != counted.localized) {
     return Broken(database, name + ": its summary differs from its queries");
   }

@@ -40,6 +40,8 @@ Result<bool> DeleteOneSegment(SqliteConnections& connections) {
   if (!found) return false;
   const std::int64_t map = find.Int("map");
   const std::int64_t segment = find.Int("segment");
+  // The row of `segments` stays, because rows of statistics refer to it and newer versions inherit
+  // them.
   for (const char* sql :
        {"DELETE FROM segment_features WHERE map = ?1 AND segment = ?2",
         "DELETE FROM segment_places WHERE map = ?1 AND segment = ?2",

@@ -20,6 +20,7 @@ Status Backup(const CommandContext& context, const std::string& to) {
 }  // namespace
 
 void AddBackupCommand(CLI::App& app, CommandContext& context) {
+  // Shared with the callback, because CLI11 writes into it after this function has returned.
   auto to = std::make_shared<std::string>();
   CLI::App* command = AddCommand(app, context, "backup",
                                  "Copies the store, also while a server uses it, to a new file",

@@ -23,6 +23,8 @@ CLI::App* AddCommand(CLI::App& app, CommandContext& context, const std::string& 
       ->required()
       ->type_name("FILE");
   command->add_flag("--json", context.json, "One JSON document on standard output");
+  // CLI11 calls this while it parses. The work itself waits, so that its failure (exit code 1) is
+  // not taken for wrong usage (2).
   command->callback([&context, run = std::move(run)] { context.chosen = run; });
   return command;
 }
@@ -57,11 +59,13 @@ void AddStageFlag(CLI::App& command, bool& stage) {
 Result<MapSummary> FindMap(const MapStore& store, const std::string& name,
                            std::optional<std::int64_t> version) {
   if (!version) return store.GetMap(name);
+  // A number that parses but makes no sense is a failure (exit code 1), not wrong usage (2).
   if (*version < 1) return InvalidArgument("version", "must be 1 or more");
   return store.GetMap(MapKey{name, *version});
 }
 
 Status CheckFrom(const std::string& from) {
+  // Asked here, because whoever reads the file as a store would name --store in the cure.
   std::error_code error;
   if (std::filesystem::exists(from, error)) return Status::Ok();
   return Status(StatusCode::kNotFound, "FILE_NOT_FOUND",

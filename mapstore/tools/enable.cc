@@ -53,6 +53,8 @@ Status Enable(const CommandContext& context, const EnableFlags& flags) {
 Result<MapKey> VersionBefore(const std::vector<MapSummary>& versions, const std::string& name) {
   const MapSummary* before = nullptr;
   for (const MapSummary& map : versions) {
+    // enabled_order rises with each version that is enabled, so the largest of the others came
+    // last.
     if (map.info.key.name != name || map.enabled || map.enabled_order == 0) continue;
     if (before == nullptr || map.enabled_order > before->enabled_order) before = &map;
   }

@@ -12,7 +12,7 @@ namespace {
 
 struct ExportFlags {
   std::string map;
-  std::optional<std::int64_t> version;  // else the newest
+  std::optional<std::int64_t> version;  // else the enabled one
   std::string to;
 };
 
@@ -24,6 +24,8 @@ Result<MapKey> WriteFile(const MapStore& store, const MapInfo& info, const std::
 }
 
 Status ExportTo(const MapStore& store, const MapInfo& info, const std::string& to) {
+  // Checked first, so that the error names the path that the user gave and not that of the partial
+  // file.
   MAPLOC_RETURN_IF_ERROR(CheckNewStoreFile(to));
   const std::string partial = to + ".partial-" + std::to_string(getpid());
   Status status = WriteFile(store, info, partial).status();

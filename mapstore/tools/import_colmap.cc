@@ -145,6 +145,7 @@ Status Import(const CommandContext& context, const Flags& flags) {
   return Status::Ok();
 }
 
+// As a check of CLI11, so that an unknown kind is wrong usage (exit code 2).
 std::string CheckDescriptorKind(const std::string& name) {
   const Result<DescriptorKind> kind = DescriptorKindFromName(name);
   return kind.ok() ? "" : kind.status().message();

@@ -30,9 +30,11 @@ Result<MapInfo> ChooseMap(const MapStore& file, const ImportFlags& flags) {
 Status Import(const CommandContext& context, const ImportFlags& flags) {
   MAPLOC_RETURN_IF_ERROR(CheckFrom(flags.from));
   std::error_code none;
+  // The import would change the store while it is being read.
   if (std::filesystem::equivalent(flags.from, context.store_path, none)) {
     return InvalidArgument("from", "is the store itself; name another one");
   }
+  // Opened for writing, the file would be migrated and get a write-ahead log.
   SqliteStoreOptions source;
   source.create = false;
   source.read_only = true;

@@ -41,6 +41,7 @@ Result<Eigen::Vector3d> ReadGravity(const std::vector<double>& flag) {
 Result<MapKey> WriteTurned(MapStore& store, const MapInfo& before,
                            const Eigen::Quaterniond& turned_from_map, bool stage) {
   MapInfo info = before;
+  // Inheritance finds shared landmarks by this transform, so the turn must be in it.
   info.map_from_source = Similarity3{1.0, turned_from_map, {0, 0, 0}} * before.map_from_source;
   info.created_unix_ns = SystemClock().NowUnixNanos();
   return CopyMap(store, before.key, store, info, stage,

@@ -13,7 +13,7 @@ namespace {
 
 struct PlotFlags {
   std::string map;
-  std::optional<std::int64_t> version;  // else the newest
+  std::optional<std::int64_t> version;  // else the enabled one
   std::string out;
   std::string colour = "strategy";
 };
@@ -26,6 +26,7 @@ PlotColour ColourFromName(const std::string& name) {
 Status WriteFile(const std::string& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
   file << text;
+  // Closed before the check, because a full disk shows only when the buffer is written.
   file.close();
   if (file) return Status::Ok();
   return Status(StatusCode::kUnavailable, "NOT_WRITTEN",
@@ -42,7 +43,8 @@ Status Plot(const CommandContext& context, const PlotFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
   MAPLOC_ASSIGN_OR_RETURN(const ChangedMap changed, ReadChanged(*store, flags.map, flags.version));
   const MapKey& key = changed.map;
-  std::vector<std::shared_ptr<const Segment>> landmarks;  // those of a version never change
+  // Read apart from the statistics, because the landmarks of a version never change.
+  std::vector<std::shared_ptr<const Segment>> landmarks;
   for (const SegmentSummary& segment : changed.segments) {
     MAPLOC_ASSIGN_OR_RETURN(auto loaded, store->LoadSegment(key, segment.id));
     landmarks.push_back(std::move(loaded));

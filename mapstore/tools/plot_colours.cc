@@ -58,6 +58,7 @@ std::string OfInlierRatio(const SegmentStatistics& statistics) {
 
 // What is left of what there was: 0 all gone, 1 the same, 2 twice as much or more.
 double LeftOf(const ChangePoint& change) {
+  // From nothing, any rise is the largest.
   if (change.before <= 0.0) return 2.0;
   return std::min(change.after / change.before, 2.0);
 }

@@ -16,6 +16,7 @@ constexpr double kSidePx = 1000.0;
 constexpr double kMarginPx = 40.0;
 constexpr double kLegendPx = 90.0;
 
+// Enough between tags. Quotes would matter in attributes only.
 std::string Escape(std::string_view text) {
   std::string escaped;
   for (const char c : text) {
@@ -71,6 +72,7 @@ void DrawLandmarks(const Segment& segment, const Plan& plan, std::ostream& svg) 
     svg << "<path d='M" << plan.X(line.start) << " " << plan.Y(line.start) << "L"
         << plan.X(line.end) << " " << plan.Y(line.end) << "' stroke='#888' stroke-width='1'/>\n";
   }
+  // One path for all points: a stroke of length 0 with round ends is drawn as a dot.
   svg << "<path stroke='#bbb' stroke-width='1.5' stroke-linecap='round' d='";
   for (const Eigen::Vector3d& point : segment.points.positions_in_map) {
     svg << "M" << plan.X(point) << " " << plan.Y(point) << "h0";

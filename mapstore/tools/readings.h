@@ -19,7 +19,7 @@ struct ExplainedSegment {
   Explanation explanation;
   std::vector<DecisionRecord> history;  // oldest first
 };
-// Of the map's newest version.
+// Of the map's enabled version.
 Result<ExplainedSegment> ReadExplained(const MapStore& store, const std::string& map,
                                        SegmentId segment);
 
@@ -28,7 +28,7 @@ struct ChangedMap {
   std::vector<SegmentSummary> segments;
   std::vector<SegmentChanges> changes;  // one a segment
 };
-// Of the map's version, the newest where none is given.
+// Of the map's version, the enabled one where none is given.
 Result<ChangedMap> ReadChanged(const MapStore& store, const std::string& map,
                                std::optional<std::int64_t> version);
 

@@ -20,6 +20,10 @@ struct Change {
 
 // The segments that the session saw, as they are now.
 Result<std::vector<SegmentSummary>> VisitedSegments(const MapStore& store, const Session& session) {
+  // A deleted version has no segments to show, but newer versions inherit from its sessions.
+  const Status map = store.GetMap(session.map).status();
+  if (map.code() == StatusCode::kNotFound) return std::vector<SegmentSummary>();
+  MAPLOC_RETURN_IF_ERROR(map);
   MAPLOC_ASSIGN_OR_RETURN(const auto observations, store.ListObservations(session.id));
   std::set<SegmentId> visited;
   for (const Observation& observation : observations) visited.insert(observation.segment);

@@ -13,7 +13,7 @@ namespace {
 
 struct RobotsFlags {
   std::string map;
-  std::optional<std::int64_t> version;  // else the newest
+  std::optional<std::int64_t> version;  // else the enabled one
 };
 
 // Of its queries; nullopt: it has none.

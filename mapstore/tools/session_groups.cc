@@ -39,6 +39,7 @@ Result<Selection> Select(const MapStore& store, const std::string& map,
                          const GroupOptions& options) {
   MAPLOC_ASSIGN_OR_RETURN(const auto sessions, store.ListSessions());
   Selection selection;
+  // Also without any session: the segments are then listed with zeros.
   if (options.by.empty()) selection.try_emplace(std::nullopt);
   for (const Session& session : sessions) {
     if (session.map.name != map || !HasLabels(session, options.labels)) continue;

@@ -91,6 +91,7 @@ std::vector<SessionLine> MakeLines(const std::vector<SeenSession>& sessions) {
   std::map<MapKey, std::map<SessionId, std::vector<RobotDifference>>> compared;
   for (const SeenSession& seen : sessions) {
     const auto [found, fresh] = compared.try_emplace(seen.session.map);
+    // One comparison for each version of a map, not one for each session.
     if (!fresh) continue;
     for (SessionComparison& session : CompareFleet(sessions, found->first).sessions) {
       found->second[session.session] = std::move(session.differences);

@@ -16,7 +16,7 @@ namespace {
 
 struct StatsFlags {
   std::string map;
-  std::optional<std::int64_t> version;  // else the newest
+  std::optional<std::int64_t> version;  // else the enabled one
   GroupOptions groups;
 };
 
@@ -138,6 +138,7 @@ void AddStatsCommand(CLI::App& app, CommandContext& context) {
       [&context, flags] { return Stats(context, *flags); });
   AddMapOption(*command, flags->map);
   AddVersionOption(*command, flags->version);
+  // Without allow_extra_args(false) CLI11 takes the words after a label as further labels.
   command
       ->add_option("--label", flags->groups.labels,
                    "Only sessions with this label (repeatable: with all)")

@@ -60,6 +60,20 @@ TEST_F(MapVersions, OneThatNobodyUsesIsDeleted) {
   EXPECT_EQ(Map("verify --store $STORE").exit_code, 0);
 }
 
+TEST_F(MapVersions, ASessionOnADeletedOneIsRevoked) {
+  const auto idle =
+      OpenSqliteStore(store_).value()->EndSession("open", SessionEnd::kIdle, 6000, {});
+  ASSERT_TRUE(idle.ok());
+  ASSERT_EQ(Map("import --store $STORE --from " + file_).exit_code, 0);
+  ASSERT_EQ(Map("delete --store $STORE --map yard --version 1").exit_code, 0);
+  const auto queries = [&] {
+    return Json("segments --store $STORE --map yard")[1].at("queries").get<int>();
+  };
+  ASSERT_EQ(queries(), 21);
+  EXPECT_EQ(Json("revoke --store $STORE --session s").at("segments"), json::array());
+  EXPECT_EQ(queries(), 0);
+}
+
 TEST_F(MapVersions, WhatIsNotThereIsNamed) {
   for (const std::string command :
        {"versions --map nowhere", "rollback --map nowhere", "enable --map nowhere --version 1",

@@ -192,6 +192,8 @@ TEST_F(ColmapDatabaseTest, RefusesGravityThatIsNoDirection) {
   testing::AddPosePriors(path_, model, {{"a.jpg", {0, 0, 0}}});
   EXPECT_THAT(ReadColmapGravity(path_).status().message(),
               HasSubstr("table pose_priors, image 1 ('a.jpg'): its gravity is no direction"));
+  Execute("UPDATE pose_priors SET gravity = " + testing::DoublesAsSql({0, 1e200, 0}));
+  EXPECT_EQ(ReadColmapGravity(path_)->at("a.jpg"), Eigen::Vector3d(0, 1, 0));
   Execute("UPDATE pose_priors SET gravity = x'0011'");
   EXPECT_THAT(ReadColmapGravity(path_).status().message(), HasSubstr("not three float64"));
 }

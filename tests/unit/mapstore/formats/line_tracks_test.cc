@@ -124,6 +124,9 @@ TEST_F(LineTracksTest, NamesTheProgramOfAnotherFormatAndSaysWhatToDo) {
   expect(std::string("\x93NUMPY\x01\0v\0", 10), "a NumPy array");
   expect(std::string("\x16\0\0\0\0\0\0\0serialization::archive\x0a\0", 32),
          "Line3D++'s binary result");
+  // Six times this count, modulo 2^64, is the 2 numbers that follow it.
+  EXPECT_THAT(Read("2 4 -1 1 4 -1 2 5 -1 1 5 -1 2 3074457345618258603 1 2\n").status().message(),
+              HasSubstr(":1: header: is not"));
   folder_.Write("track_0.txt", "");
   EXPECT_THAT(ReadLineTracks(folder_.path()).status().message(),
               HasSubstr("looks like LIMAP's folder of line tracks (finaltracks)"));

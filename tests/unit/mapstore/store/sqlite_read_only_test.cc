@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "mapstore/store/sqlite_backup.h"
 #include "tests/unit/mapstore/store/sqlite_store_fixture.h"
 
 namespace maploc::testing {
@@ -148,6 +149,14 @@ TEST_F(SqliteReadOnlyTest, ALogThatItsOwnerBeginsMeanwhileIsTold) {
     const Status status = (*store)->ListMaps().status();
     return status.reason() == "STORE_REPLACED" ? "" : status.ToString();
   });
+}
+
+// Without locks nothing keeps the owner from writing while pages are copied.
+TEST_F(SqliteReadOnlyTest, NoCopyIsMadeOfAFileThatItsOwnerChangesMeanwhile) {
+  auto source = SqliteDatabase::Open(path_, SqliteAccess::kFileAlone, 0).value();
+  AsOwner([&] { GiveMap(**OpenSqliteStore(path_), "garden"); });
+  const TemporaryFolder elsewhere;
+  EXPECT_EQ(CopyStore(source, elsewhere.File("copy")).reason(), "STORE_REPLACED");
 }
 
 TEST_F(SqliteReadOnlyTest, AStoreThatItsOwnerMovesAwayIsTold) {

@@ -91,6 +91,17 @@ TEST_F(SqliteRestoreTest, ALinkToTheStoreStaysALink) {
   EXPECT_EQ(Open()->ListSessions()->size(), 1u);
 }
 
+// The log of a store that is open lies beside the file, not beside a link to it.
+TEST_F(SqliteRestoreTest, ALinkToAnOpenStoreIsReadWithItsLog) {
+  const auto live = OpenSqliteStore(backup_).value();
+  Start(*live, "in-the-log");
+  const std::string link = folder_.File("latest.db");
+  std::filesystem::create_symlink(backup_, link);
+  const Result<RestoredStore> restored = RestoreSqliteStore(path_, link);
+  ASSERT_TRUE(restored.ok()) << restored.status().ToString();
+  EXPECT_EQ(restored->sessions, 2);
+}
+
 TEST_F(SqliteRestoreTest, WithoutHardLinksItIsRestoredToo) {
   const NoLinks vfat;
   ExpectRestored();

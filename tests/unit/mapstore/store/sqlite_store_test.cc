@@ -1,6 +1,7 @@
 // What only the store on disk can get wrong: strange files, damage, deaths, other processes.
 #include "mapstore/store/sqlite_store.h"
 
+#include <array>
 #include <csignal>
 #include <thread>
 
@@ -182,6 +183,26 @@ TEST_F(SqliteStoreTest, WhatAKilledImportLeftIsSweptButNotWhileItLives) {
   EXPECT_EQ(Count("segment_places"), 0);
   EXPECT_EQ(Count("map_versions"), 0);
   EXPECT_EQ(GiveMap(*Open()).version, 1);
+}
+
+// Killed when all but the publishing was done, with the inherited statistics written down.
+TEST_F(SqliteStoreTest, WhatAKilledImportInheritedIsSweptWithIt) {
+  {
+    const auto store = Open();
+    const MapKey old = GiveMap(*store);
+    ASSERT_TRUE(store->StartSession(OpenSession("s", old)).ok());
+    ASSERT_TRUE(store->EndSession("s", SessionEnd::kByRobot, 5000, std::array{Seen(1, 0)}).ok());
+    GiveMap(*store);
+  }
+  Execute("UPDATE map_versions SET state = 0, enabled_order = 0 WHERE version = 2");
+  ASSERT_EQ(Count("segment_folds"), 2);
+  const auto store = Open();
+  const Status swept = store->SweepAbandonedImports();
+  EXPECT_TRUE(swept.ok()) << swept.ToString();
+  EXPECT_EQ(Count("segments"), 3);
+  EXPECT_EQ(Count("segment_folds"), 1);
+  EXPECT_TRUE(store->Verify().ok());
+  EXPECT_EQ(GiveMap(*store).version, 2);
 }
 
 // Between a sweeper's look and its deleting another process may publish the import, or go on.
