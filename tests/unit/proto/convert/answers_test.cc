@@ -239,6 +239,10 @@ TEST(SessionConvert, StartIsRefusedWithTheField) {
   ExpectStartRefused(request, "labels[light]: ");
 
   request = ValidStart();
+  (*request.mutable_labels())[""] = "autumn";
+  ExpectStartRefused(request, "labels: one has an empty key");
+
+  request = ValidStart();
   for (int i = 0; i < kMaxLabels; ++i) request.mutable_labels()->insert({std::to_string(i), {}});
   ExpectStartRefused(request, "labels: ");
 
