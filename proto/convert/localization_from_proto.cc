@@ -24,6 +24,8 @@ Status MatchesFromProto(const v1::FeatureMatches& proto, const std::string& fiel
     return InvalidArgument(field + ".inliers", "their count differs from the indices'",
                            "COUNT_MISMATCH");
   }
+  // Whether an index is one of the sent features only the caller can check, because it has the
+  // query (CheckMatches in client/api/client.cc).
   for (const int feature : proto.feature_indices()) {
     matches->push_back({.feature = feature, .landmark = 0, .ratio = 1.0f});
   }
