@@ -40,6 +40,9 @@ class LoadRobot {
       const Moment due = start + std::chrono::duration_cast<Moment::duration>(after);
       if (!WaitUntil(due)) break;
       if (options_.sessions && session_.empty()) status_ = StartSession();
+      // At a rate the latency counts from the moment when the query was due. Counted from when it
+      // was sent, a server that stalls would hide the wait of those that could not be sent
+      // meanwhile.
       if (status_.ok())
         Ask(i, options_.rate_per_second > 0 ? due : std::chrono::steady_clock::now());
       if (asked_ == options_.queries_a_session) EndSession();
@@ -79,6 +82,8 @@ class LoadRobot {
     Query query = queries_[static_cast<std::size_t>(i + index_) % queries_.size()];
     query.map = map_;
     query.session = session_;
+    // Sent once: a refusal is what a load is to count. A client that waited it out would report a
+    // slow server instead of a full one.
     const Result<Localization> answer = impatient_.Localize(query);
     ++report_.requests;
     ++asked_;
@@ -101,7 +106,7 @@ class LoadRobot {
   }
 
   const Client client_;
-  const Client impatient_;  // for what is counted as it comes
+  const Client impatient_;  // for queries, which are sent once
   const std::string& map_;
   const std::vector<Query>& queries_;
   const LoadOptions& options_;
