@@ -7,7 +7,7 @@
 namespace maploc {
 namespace {
 
-// From where a landmark was seen; not known where the map does not know it.
+// From where a landmark was seen. Unknown for a map that was made without it: `viewing` is empty.
 ViewingRange ViewingOf(const std::vector<ViewingRange>& viewing, std::int32_t landmark) {
   return viewing.empty() ? ViewingRange{} : viewing[landmark];
 }
@@ -18,7 +18,7 @@ struct Seen {
   std::optional<PixelFrame> frame;
 };
 
-// How one view's pixels become that.
+// The camera that turns pixels into Seen.
 struct Eye {
   const Camera& camera;
   double focal_length_px;  // the problem's
