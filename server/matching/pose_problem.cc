@@ -21,7 +21,7 @@ struct Seen {
 // The camera that turns pixels into Seen.
 struct Eye {
   const Camera& camera;
-  double focal_length_px;  // the problem's
+  double focal_length_px;  // its own: in the plane z = 1 lengths are pixels over this one, too
   bool wide;
 };
 
@@ -75,7 +75,7 @@ MatchedProblem BuildPoseProblem(const Matches& matches, const View& view, const 
     problem.gravity_in_camera = (camera_from_body * gravity->direction_in_body).normalized();
     problem.gravity_sigma_rad = gravity->sigma_rad;
   }
-  const Eye eye{view.camera, problem.focal_length_px, view.camera.IsWide()};
+  const Eye eye{view.camera, view.camera.MeanFocalLengthPx(), view.camera.IsWide()};
   for (const FeatureMatch& match : matches.points) AddPoint(match, eye, view, segment, matched);
   for (const FeatureMatch& match : matches.lines) AddLine(match, eye, view, segment, matched);
   return matched;
