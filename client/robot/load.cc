@@ -1,6 +1,10 @@
 #include "client/robot/load.h"
 
 #include <algorithm>
+#include <exception>
+#include <future>
+#include <memory>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -130,6 +134,30 @@ void Add(const LoadReport& one, LoadReport& all) {
   for (const auto& [code, count] : one.errors) all.errors[code] += count;
 }
 
+// All robots begin at one moment, when each has its thread. Where the system gives no more threads
+// none begins, so that no session is open then.
+Status RunTogether(const std::vector<std::unique_ptr<LoadRobot>>& robots, Moment* start) {
+  std::promise<std::optional<Moment>> go;
+  const std::shared_future<std::optional<Moment>> begin = go.get_future().share();
+  std::vector<std::jthread> threads;
+  try {
+    for (const auto& robot : robots) {
+      threads.emplace_back([&robot, begin] {
+        if (begin.get()) robot->Run(*begin.get());
+      });
+    }
+  } catch (const std::exception& error) {
+    go.set_value(std::nullopt);
+    return ResourceExhausted("TOO_MANY_THREADS",
+                             "the system gave threads to " + std::to_string(threads.size()) +
+                                 " of " + std::to_string(robots.size()) +
+                                 " robots; lower --robots (" + error.what() + ")");
+  }
+  *start = std::chrono::steady_clock::now();
+  go.set_value(*start);
+  return Status::Ok();
+}
+
 }  // namespace
 
 Result<LoadReport> RunLoad(const std::string& server, const std::string& map,
@@ -138,12 +166,8 @@ Result<LoadReport> RunLoad(const std::string& server, const std::string& map,
   for (int i = 0; i < options.robots; ++i) {
     robots.push_back(std::make_unique<LoadRobot>(server, map, queries, options, i));
   }
-  const Moment start = std::chrono::steady_clock::now();
-  std::vector<std::thread> threads;
-  for (const auto& robot : robots) {
-    threads.emplace_back([&robot, start] { robot->Run(start); });
-  }
-  for (std::thread& thread : threads) thread.join();
+  Moment start;
+  MAPLOC_RETURN_IF_ERROR(RunTogether(robots, &start));
 
   LoadReport report;
   report.elapsed = std::chrono::steady_clock::now() - start;
