@@ -44,6 +44,7 @@ class Picture {
     for (const Eigen::Vector3d& point_in_map : segment.path_in_map) Point(InWorld(point_in_map));
     svg_ << "'/>\n";
     const Eigen::Vector2d middle = InWorld(segment.path_in_map[segment.path_in_map.size() / 2]);
+    // The world's origin is the lane's centre, so that the label stands inside of the lane.
     Label(middle * 0.72, "segment " + std::to_string(segment.id) + ": " +
                              std::string(StrategyName(segment.decision.strategy)));
   }
@@ -85,6 +86,7 @@ class Picture {
          << 2.0 * half_px_ << "' height='" << 2.0 * half_px_ + kLegendPx << "'>\n"
          << "<rect width='100%' height='100%' fill='white'/>\n"
          << svg_.str() << "</svg>\n";
+    // A full disk may show only now, when the stream writes what it has buffered.
     file.flush();
     if (file) return Status::Ok();
     return InvalidArgument("--picture", "'" + path + "' could not be written");
@@ -98,6 +100,7 @@ class Picture {
     return InWorld(entry.reference_map_from_body.translation);
   }
   Eigen::Vector2d Px(const Eigen::Vector2d& in_world) const {
+    // An SVG's y runs down.
     return {half_px_ + in_world.x() * kPxPerM, half_px_ - in_world.y() * kPxPerM + kLegendPx};
   }
   void Point(const Eigen::Vector2d& in_world) {
@@ -140,6 +143,7 @@ class Picture {
 
 std::string StrategyColour(Strategy strategy) {
   constexpr std::array<const char*, 4> kColours = {"#1f77b4", "#2ca02c", "#ff7f0e", "#9467bd"};
+  // Strategies are numbered from 1, as on the wire.
   return kColours[static_cast<int>(strategy) - 1];
 }
 

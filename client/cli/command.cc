@@ -15,6 +15,7 @@ std::string CheckServer(const std::string& server) {
   const std::size_t colon = server.rfind(':');
   if (server.starts_with("unix:")) return "";
   if (colon == std::string::npos || colon == 0) return "must be HOST:PORT, got '" + server + "'";
+  // Looked at here, because gRPC's own messages about a bad port do not name it.
   int port = 0;
   const char* end = server.data() + server.size();
   const auto [parsed, error] = std::from_chars(server.data() + colon + 1, end, port);
@@ -55,12 +56,14 @@ CLI::Option* AddServerFlag(CLI::App& command, CommandContext& context) {
 Result<ClientOptions> ClientOptionsFrom(const CommandContext& context) {
   constexpr double kLeastS = 0.001;
   constexpr double kMostS = 86400.0;
+  // Negated, so that a NaN is refused too.
   if (!(context.timeout_s >= kLeastS && context.timeout_s <= kMostS)) {
     return InvalidArgument("--timeout", "must lie in 0.001 to 86400 seconds");
   }
   ClientOptions options;
   options.call_timeout = std::chrono::milliseconds(std::llround(1000.0 * context.timeout_s));
   MAPLOC_ASSIGN_OR_RETURN(options.credentials, ReadCredentials(context.credentials));
+  // A flag goes before the environment.
   const char* const token = std::getenv("MAPLOC_TOKEN");
   if (token != nullptr && *token != '\0' && options.credentials.token.empty()) {
     MAPLOC_RETURN_IF_ERROR(CheckTokenText("MAPLOC_TOKEN", token));

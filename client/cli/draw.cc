@@ -64,6 +64,7 @@ void DrawCaption(const Localization& answer, cv::Mat& image) {
                               " + " + Counts(evidence.vertical_lines) + " vertical";
   const double size = std::max(0.4, image.cols / 1600.0);
   const cv::Point at(8, image.rows - 10);
+  // White on a wider black, to be read on any photo.
   cv::putText(image, caption, at, cv::FONT_HERSHEY_SIMPLEX, size, {0, 0, 0}, 4, cv::LINE_AA);
   cv::putText(image, caption, at, cv::FONT_HERSHEY_SIMPLEX, size, {255, 255, 255}, 1, cv::LINE_AA);
 }
@@ -73,6 +74,8 @@ void DrawCaption(const Localization& answer, cv::Mat& image) {
 Status DrawLocalization(const std::string& photo_path, const View& view,
                         const Localization& localization, const std::string& out_path) {
   try {
+    // The picture that the features were found in. cv::imread would show 12 bits in 16 nearly
+    // black.
     MAPLOC_ASSIGN_OR_RETURN(GrayImage photo, LoadGrayImage(photo_path));
     const cv::Mat grey(photo.height_px, photo.width_px, CV_8UC1, photo.pixels.data());
     cv::Mat image;
@@ -82,6 +85,7 @@ Status DrawLocalization(const std::string& photo_path, const View& view,
     DrawMatched(view, localization, true, image);
     DrawCaption(localization, image);
     const std::string extension = std::filesystem::path(out_path).extension().string();
+    // Asked first: for an unknown ending imencode throws, in words of OpenCV that name no cure.
     if (!cv::haveImageWriter("picture" + extension)) {
       return InvalidArgument("--draw", "'" + out_path + "' must end in .png, .jpg, .bmp or .tif");
     }

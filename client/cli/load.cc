@@ -112,6 +112,7 @@ Status Run(const CommandContext& context, const LoadFlags& flags) {
   LoadOptions options = flags.load;
   MAPLOC_ASSIGN_OR_RETURN(options.client, ClientOptionsFrom(context));
   options.stop = StopRequested;
+  // Only from here on sessions are open. Before, Ctrl-C may end the program at once.
   CatchStopSignals();
   options.duration = std::chrono::duration<double>(flags.seconds);
   options.sessions = !flags.without_sessions;

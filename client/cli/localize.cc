@@ -189,6 +189,8 @@ void PrintAnswer(const MapInfo& map, const Localization& answer, std::ostream& o
 Status Run(const CommandContext& context, const LocalizeFlags& flags) {
   Query query;
   MAPLOC_ASSIGN_OR_RETURN(query.gravity, ParseGravity(flags));
+  // Before the server is asked: a misspelt file must not be hidden by a server that cannot be
+  // reached.
   MAPLOC_ASSIGN_OR_RETURN(const Photo photo, ReadPhoto(flags));
   MAPLOC_ASSIGN_OR_RETURN(const Client client, Connect(context));
   MAPLOC_ASSIGN_OR_RETURN(const RemoteMap map, client.GetMap(flags.map));
@@ -200,6 +202,7 @@ Status Run(const CommandContext& context, const LocalizeFlags& flags) {
   query.refinement = flags.method.RequestedRefinement();
   query.max_error_px = flags.method.max_error_px;
   MAPLOC_ASSIGN_OR_RETURN(const Localization answer, client.Localize(query, !flags.draw.empty()));
+  // Before the picture: one that cannot be written must not lose the answer.
   context.json ? PrintJson(AnswerJson(answer)) : PrintAnswer(map.info, answer, std::cout);
   if (flags.draw.empty()) return Status::Ok();
   return DrawLocalization(flags.image, query.views[0], answer, flags.draw);

@@ -47,6 +47,7 @@ int Main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (app.exit(error, std::cout, std::cerr) != 0) return kExitWrongUsage;
+    // --help and --version are output too, and may meet a full disk.
     return Report(FlushStandardOutput());
   }
   return Report(Run(context));

@@ -10,6 +10,8 @@ void AddRecordingFlags(CLI::App& command, RecordingOptions& options) {
   command.add_option("--database", options.database, "COLMAP database.db: the points to send");
   command.add_option("--images", options.images,
                      "folder of the photos: the lines to send, and the points without --database");
+  // A measured gravity takes no noise, and one that is not sent neither that nor a sigma: flags
+  // that would be ignored exclude each other.
   CLI::Option* csv =
       command.add_option("--gravity-csv", options.gravity.csv,
                          "measured gravity, name,gx,gy,gz: down, camera frame, unit or in m/s^2");

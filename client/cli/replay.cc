@@ -55,6 +55,7 @@ Status Run(const CommandContext& context, const ReplayFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const RecordedRobot robot,
                           RecordedRobot::Open(flags.recording, map.info));
   PrintNotes(robot.Notes());
+  // Only from here on a session is open. Before, Ctrl-C may end the program at once.
   CatchStopSignals();
   Result<ReplayReport> report = [&] {
     Progress progress("replay", robot.QueryCount());

@@ -21,6 +21,7 @@ LineCounts AllLines(const Evidence& evidence) {
           evidence.usable_lines.inliers + evidence.vertical_lines.inliers};
 }
 
+// The keys are a contract with scripts (README.md): they may be added to, and none renamed.
 Json EntryJson(const ReplayEntry& entry) {
   const Localization& answer = entry.localization;
   const LineCounts lines = AllLines(answer.evidence);
@@ -85,6 +86,7 @@ std::string OutcomeCell(const ReplayEntry& entry) {
 std::vector<std::string> EntryCells(const ReplayEntry& entry, bool depth_shares) {
   const Localization& answer = entry.localization;
   const LineCounts lines = AllLines(answer.evidence);
+  // Of a late query there is no answer: what stands in `localization` are defaults.
   const bool localized = entry.failure.ok() && answer.outcome == Outcome::kLocalized;
   std::optional<double> length;
   std::optional<double> rotation_deg;

@@ -49,6 +49,7 @@ void SeasonBoard::Add(int robot, const ReplayEntry& entry) {
 }
 
 void SeasonBoard::Redraw() {
+  // All rows anew: the robots of a season answer in any order, and each fills its own row.
   out_ << "\033[" << rows_.size() << "A";
   for (const Row& row : rows_) out_ << "\r\033[K" << Line(row) << "\n";
   out_ << std::flush;

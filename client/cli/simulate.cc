@@ -86,6 +86,7 @@ class SeasonRun {
     for (int i = 0; i < flags_.robots; ++i) {
       threads.emplace_back([&, i] { reports[i] = Drive(i, board); });
     }
+    // Joins them: no report is read before its robot has finished.
     threads.clear();
 
     MAPLOC_RETURN_IF_ERROR(AllFailures(reports));
@@ -113,6 +114,7 @@ class SeasonRun {
     drive.season = season_;
     drive.aside_m = 1.6 * (robot % 3 - 1);
     drive.start_m = robot * world_.LaneLength() / flags_.queries / flags_.robots;
+    // A robot drives alike in every run, and another way in every season.
     drive.seed = HashBytes(RobotName(robot) + std::string(SeasonName(season_)), flags_.seed);
     ReplayOptions options;
     options.robot = RobotName(robot);
@@ -304,6 +306,7 @@ void AddSimulateCommand(CLI::App& app, CommandContext& context) {
                                  kExample, [&context, flags] { return Run(context, *flags); });
   CLI::Option* write = command->add_option("--write-world", flags->write_world,
                                            "write the campus's mapping drive into this folder");
+  // Flags of the drive say nothing to --write-world, and are refused instead of ignored.
   AddServerFlag(*command, context)->excludes(write);
   command->add_option("--map", flags->map, "the campus's map")->excludes(write);
   command->add_option("--picture", flags->picture, "write the campus, seen from above, as SVG")

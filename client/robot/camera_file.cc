@@ -36,6 +36,8 @@ class CameraOfPhoto {
     if (!photo.empty()) path_ = std::filesystem::absolute(photo).lexically_normal().string();
   }
   void Consider(const std::string& name, std::int64_t camera_id) {
+    // With the slash, so that '11.jpg' is not taken for '1.jpg'. The longest, because a model may
+    // have both '1.jpg' and 'left/1.jpg'.
     if (name.size() <= longest_ || !path_.ends_with("/" + name)) return;
     longest_ = name.size();
     camera_id_ = camera_id;
@@ -101,6 +103,8 @@ Result<std::map<std::int64_t, CameraLine>> ReadCameraLines(const std::string& pa
     const std::string where = path + ":" + std::to_string(number);
     std::int64_t id = 0;
     const auto parsed = std::from_chars(line.data() + first, line.data() + line.size(), id);
+    // A database or a photo given as the camera file has no number here. Taken as camera 0, it
+    // would be refused on its second line, because camera 0 stands twice.
     if (parsed.ec != std::errc()) {
       return InvalidFile(where, std::string("is no camera") + kWhatCamerasAre);
     }
@@ -132,7 +136,7 @@ void ConsiderImageList(const std::string& path, CameraOfPhoto& of_photo) {
   }
 }
 
-// In lower case, with the dot.
+// In lower case, with the dot: a SENSOR.YAML is no cameras.txt.
 std::string Extension(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   std::ranges::transform(extension, extension.begin(),

@@ -24,6 +24,7 @@ Status CheckNoise(double degrees) {
 
 Eigen::Vector3d NoisyGravityInCamera(const Eigen::Quaterniond& camera_from_map, double noise_rad,
                                      Random& random) {
+  // A turn about the vertical would leave gravity as it is.
   const Eigen::AngleAxisd about_x(random.Gaussian(noise_rad), Eigen::Vector3d::UnitX());
   const Eigen::AngleAxisd about_y(random.Gaussian(noise_rad), Eigen::Vector3d::UnitY());
   return (camera_from_map * (about_x * (about_y * kGravityInMap))).normalized();
@@ -48,6 +49,8 @@ Result<GravitySource> GravitySource::Create(const GravityOptions& options) {
 Result<Gravity> GravitySource::For(const std::string& image_name,
                                    const Rigid3& camera_from_map) const {
   if (options_.csv.empty()) {
+    // A generator of the image's own: a query must be the same in every run, whichever were asked
+    // before it.
     Random random = Random(options_.seed).Fork(HashBytes(image_name));
     return Gravity{
         NoisyGravityInCamera(camera_from_map.rotation, options_.noise_deg * kRadPerDeg, random),

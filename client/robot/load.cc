@@ -1,6 +1,10 @@
 #include "client/robot/load.h"
 
 #include <algorithm>
+#include <exception>
+#include <future>
+#include <memory>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -40,6 +44,9 @@ class LoadRobot {
       const Moment due = start + std::chrono::duration_cast<Moment::duration>(after);
       if (!WaitUntil(due)) break;
       if (options_.sessions && session_.empty()) status_ = StartSession();
+      // At a rate the latency counts from the moment when the query was due. Counted from when it
+      // was sent, a server that stalls would hide the wait of those that could not be sent
+      // meanwhile.
       if (status_.ok())
         Ask(i, options_.rate_per_second > 0 ? due : std::chrono::steady_clock::now());
       if (asked_ == options_.queries_a_session) EndSession();
@@ -79,6 +86,8 @@ class LoadRobot {
     Query query = queries_[static_cast<std::size_t>(i + index_) % queries_.size()];
     query.map = map_;
     query.session = session_;
+    // Sent once: a refusal is what a load is to count. A client that waited it out would report a
+    // slow server instead of a full one.
     const Result<Localization> answer = impatient_.Localize(query);
     ++report_.requests;
     ++asked_;
@@ -101,7 +110,7 @@ class LoadRobot {
   }
 
   const Client client_;
-  const Client impatient_;  // for what is counted as it comes
+  const Client impatient_;  // for queries, which are sent once
   const std::string& map_;
   const std::vector<Query>& queries_;
   const LoadOptions& options_;
@@ -125,6 +134,30 @@ void Add(const LoadReport& one, LoadReport& all) {
   for (const auto& [code, count] : one.errors) all.errors[code] += count;
 }
 
+// All robots begin at one moment, when each has its thread. Where the system gives no more threads
+// none begins, so that no session is open then.
+Status RunTogether(const std::vector<std::unique_ptr<LoadRobot>>& robots, Moment* start) {
+  std::promise<std::optional<Moment>> go;
+  const std::shared_future<std::optional<Moment>> begin = go.get_future().share();
+  std::vector<std::jthread> threads;
+  try {
+    for (const auto& robot : robots) {
+      threads.emplace_back([&robot, begin] {
+        if (begin.get()) robot->Run(*begin.get());
+      });
+    }
+  } catch (const std::exception& error) {
+    go.set_value(std::nullopt);
+    return ResourceExhausted("TOO_MANY_THREADS",
+                             "the system gave threads to " + std::to_string(threads.size()) +
+                                 " of " + std::to_string(robots.size()) +
+                                 " robots; lower --robots (" + error.what() + ")");
+  }
+  *start = std::chrono::steady_clock::now();
+  go.set_value(*start);
+  return Status::Ok();
+}
+
 }  // namespace
 
 Result<LoadReport> RunLoad(const std::string& server, const std::string& map,
@@ -133,12 +166,8 @@ Result<LoadReport> RunLoad(const std::string& server, const std::string& map,
   for (int i = 0; i < options.robots; ++i) {
     robots.push_back(std::make_unique<LoadRobot>(server, map, queries, options, i));
   }
-  const Moment start = std::chrono::steady_clock::now();
-  std::vector<std::thread> threads;
-  for (const auto& robot : robots) {
-    threads.emplace_back([&robot, start] { robot->Run(start); });
-  }
-  for (std::thread& thread : threads) thread.join();
+  Moment start;
+  MAPLOC_RETURN_IF_ERROR(RunTogether(robots, &start));
 
   LoadReport report;
   report.elapsed = std::chrono::steady_clock::now() - start;

@@ -39,7 +39,8 @@ struct LoadReport {
 
 // `server` is HOST:PORT; each robot has a connection of its own, and its queries are sent once (a
 // refusal is an error that counts). The first Status of a session that cannot be started or ended
-// ends the run (with the id of one that may be open still). REQUIRES: queries is not empty; robots
+// ends the run (with the id of one that may be open still). RESOURCE_EXHAUSTED (TOO_MANY_THREADS):
+// nothing was sent, for each robot takes a thread. REQUIRES: queries is not empty; robots
 // and queries_a_session >= 1; duration and rate finite and >= 0, duration within what a clock
 // counts (292 years).
 Result<LoadReport> RunLoad(const std::string& server, const std::string& map,

@@ -10,12 +10,15 @@
 namespace maploc {
 
 Status RecordedRobot::CheckInputs() const {
+  // All of it before a session is started: one that fails half way has to be discarded.
   const int max_features = options_.max_features.value_or(kMaxSentPoints);
   if (max_features < 1 || max_features > kMaxSentPoints) {
     return InvalidArgument("--max-features", "must lie in 1 to " + std::to_string(kMaxSentPoints) +
                                                  ", which is what a server takes");
   }
   for (const ColmapImage& image : images_) {
+    // The name is sent as the query's request_id. gRPC answers text that is not UTF-8 with
+    // UNIMPLEMENTED and no message.
     const Status named = CheckName("name of image " + std::to_string(image.id), image.name);
     if (named.ok()) continue;
     return Status(named.code(), named.reason(),
@@ -73,6 +76,8 @@ Status RecordedRobot::CheckPhotos() const {
                            (options_.database.empty() ? "" : ", without it points alone are sent"));
   }
   for (int i = 0; i < QueryCount(); ++i) {
+    // Only JPEG and PNG tell their size here. The others are checked when they are decoded
+    // (AddFeatures).
     const std::optional<PhotoHeader> header = ReadPhotoHeader(ImagePath(i));
     if (!header) continue;
     MAPLOC_RETURN_IF_ERROR(CheckPhotoSize(ImagePath(i), header->width_px, header->height_px,
@@ -101,6 +106,8 @@ std::string RecordedRobot::PointsNote() const {
 }
 
 std::string RecordedRobot::OrientationNote() const {
+  // COLMAP ignores the orientation too, so that the reference's gravity is that of the stored
+  // pixels. A measured one may be that of the photo as a viewer shows it.
   if (!ReadsPhotos() || options_.gravity.csv.empty()) return "";
   int turned = 0;
   for (int i = 0; i < QueryCount(); ++i) {

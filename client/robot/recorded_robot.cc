@@ -48,6 +48,7 @@ std::vector<ColmapImage> SortedByName(const ColmapModel& model) {
 }  // namespace
 
 Status CheckConvertible(const DescriptorKind& have, const DescriptorKind& want) {
+  // COLMAP's database does not name its binary kinds: of equal length they are taken for the map's.
   const bool same_bits = have.metric == want.metric && have.bytes == want.bytes &&
                          want.metric == DescriptorMetric::kHamming;
   const bool convertible = have == want || IsPlainFromRoot(have, want) || same_bits;
@@ -57,6 +58,7 @@ Status CheckConvertible(const DescriptorKind& have, const DescriptorKind& want) 
 Result<PointFeatures> ConvertToKind(PointFeatures points, const DescriptorKind& kind) {
   Descriptors& descriptors = points.descriptors;
   if (descriptors.kind == kind) return points;
+  // An image in which nothing was detected may have no kind.
   if (points.keypoints_px.empty()) return PointFeatures{{}, {kind, {}}};
   MAPLOC_RETURN_IF_ERROR(CheckConvertible(descriptors.kind, kind));
   if (IsPlainFromRoot(descriptors.kind, kind)) {
@@ -125,6 +127,7 @@ Status RecordedRobot::AddFeatures(int index, View& view) const {
   }
   if (!ReadsPhotos()) return Status::Ok();
   MAPLOC_ASSIGN_OR_RETURN(const GrayImage image, LoadGrayImage(ImagePath(index)));
+  // Once more, on the decoded photo: CheckPhotos knows the size of JPEG and PNG alone.
   MAPLOC_RETURN_IF_ERROR(CheckPhotoSize(ImagePath(index), image.width_px, image.height_px,
                                         view.camera, options_.model_dir));
   if (DetectsPoints()) {

@@ -171,6 +171,8 @@ Result<ReplayReport> Replay(const Client& client, const std::string& map, const 
   MAPLOC_ASSIGN_OR_RETURN(report.session, client.StartSession(map, options.robot, options.labels));
   Runner runner(client, map, robot, options, report.session);
   report.failure = AskAll(runner, robot, options, observer, report);
+  // The session is ended in any case. Left open it would be ended by the server after its idle
+  // time, and count.
   const bool counts = report.failure.ok() || options.keep_partial;
   const Result<SessionSummary> ended =
       counts ? client.EndSession(report.session) : client.DiscardSession(report.session);

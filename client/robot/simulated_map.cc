@@ -24,6 +24,8 @@ struct LineObservation {
 
 class MappingDrive {
  public:
+  // The world is made of its seed itself (simulated_world.cc); the next one gives the drive a
+  // generator of its own.
   MappingDrive(const World& world, const MappingOptions& options)
       : world_(world), options_(options), random_(world.options.seed + 1) {
     model_.cameras.emplace(kCameraId, SimulatedCamera());
@@ -61,6 +63,7 @@ class MappingDrive {
                        AppearanceOf(Season::kSummer), options_.sight, random_);
     for (std::size_t i = 0; i < sight.point_landmarks.size(); ++i) {
       image.keypoints_px.push_back(sight.points.keypoints_px[i].cast<double>());
+      // COLMAP's mark for a keypoint without a point; AddPoints gives those of long tracks theirs.
       image.point_ids.push_back(-1);
       point_tracks_[sight.point_landmarks[i]].push_back({image.id, static_cast<std::int32_t>(i)});
     }
@@ -119,6 +122,7 @@ class MappingDrive {
   const MappingOptions& options_;
   Random random_;
   ColmapModel model_;
+  // Ordered, so that noise is drawn in one order and a seed gives one map.
   std::map<std::string, PointFeatures> features_;
   std::map<int, std::vector<ColmapPoint::Observation>> point_tracks_;
   std::map<int, std::vector<LineObservation>> line_observations_;

@@ -23,6 +23,7 @@ Rigid3 SimulatedCameraFromBody() {
   const Eigen::Vector3d forward(std::cos(kCameraYawRad), std::sin(kCameraYawRad), 0.0);
   const Eigen::Vector3d down(0.0, 0.0, -1.0);
   Eigen::Matrix3d camera_from_body;
+  // Rows are the camera's axes in the body's frame: x right, y down, z forward.
   camera_from_body << down.cross(forward).transpose(), down.transpose(), forward.transpose();
   return {Eigen::Quaterniond(camera_from_body), -(camera_from_body * kCameraInBody)};
 }
@@ -38,6 +39,7 @@ Rigid3 WorldFromBody(const World& world, double along_m, double aside_m, double 
 
 SimulatedRobot::SimulatedRobot(const World& world, const DriveOptions& options, const MapInfo& map)
     : world_(world), options_(options), map_(map) {
+  // Drawn once: a query and its reference are of one pose.
   Random random(options.seed);
   for (int i = 0; i < options.queries; ++i) {
     const double along_m = options.start_m + i * world.LaneLength() / options.queries;

@@ -82,6 +82,7 @@ class Looker {
     const Eigen::Vector2d sight = to - from;
     const Eigen::Vector2d front = wall.end - wall.start;
     const double parallel = Cross(sight, front);
+    // Seen edge-on a front hides nothing.
     if (std::abs(parallel) < 1e-12) return false;
     const double along_sight = Cross(wall.start - from, front) / parallel;
     const double along_front = Cross(wall.start - from, sight) / parallel;
@@ -155,6 +156,7 @@ class Looker {
   template <typename Landmark>
   const Landmark& LookAlike(const std::vector<Landmark>& landmarks, const Landmark& landmark) {
     const bool near_by = random_.Uniform() < kOwnStretchShare;
+    // A landmark may be the only one of its kind along its stretch. It keeps its own look then.
     constexpr int kTries = 200;
     for (int i = 0; i < kTries; ++i) {
       const Landmark& other =

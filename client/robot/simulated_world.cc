@@ -30,6 +30,9 @@ constexpr int kSignPointsAScaffold = 40;  // boards and fence in front of it
 
 class Builder {
  public:
+  // Every draw comes from one generator, in a fixed order: a draw added in between gives another
+  // campus for the same seed, and the demo's figures no longer hold. What is optional (rich fronts,
+  // sites) draws only where it is asked for.
   explicit Builder(const CampusOptions& options) : random_(options.seed) {
     world_.options = options;
     std::vector<Site>& sites = world_.options.sites;
@@ -258,6 +261,7 @@ class Builder {
 
 int World::StretchAt(double along_m) const {
   const double wrapped = along_m - LaneLength() * std::floor(along_m / LaneLength());
+  // Rounding may leave the whole lane, which is one stretch too far.
   return std::min(static_cast<int>(wrapped / options.stretch_length_m), options.stretches - 1);
 }
 

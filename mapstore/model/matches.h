@@ -31,9 +31,8 @@ struct Matches {
 
 // An observed point. `normalized` is its undistorted position in the camera's plane z = 1. A wide
 // camera (Camera::IsWide) has no such plane: there `normalized` is (pixel - principal point) /
-// focal_length_px with the problem's focal_length_px, and errors are computed from `frame`, whose
-// `across` is divided by focal_length_px too. In both cases an error or a distance multiplied by
-// focal_length_px is in pixels.
+// Camera::MeanFocalLengthPx, and errors are computed from `frame`, whose `across` is divided by
+// that too. So both kinds have the same unit, a pixel over the camera's focal length.
 struct PointCorrespondence {
   Eigen::Vector2d normalized = Eigen::Vector2d::Zero();
   Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();

@@ -44,6 +44,7 @@ Result<Camera> CameraFromProto(const v1::Camera& camera, const std::string& fiel
   MAPLOC_RETURN_IF_ERROR(CheckSide(field + ".width_pixels", camera.width_pixels()));
   MAPLOC_RETURN_IF_ERROR(CheckSide(field + ".height_pixels", camera.height_pixels()));
   const auto model = static_cast<CameraModel>(camera.model() - kWireOffset);
+  // Before the loop, which takes the index for the meaning of a parameter.
   if (camera.params_size() != CameraParamCount(model)) {
     return InvalidArgument(field + ".params",
                            std::string(CameraModelName(model)) + " takes " +

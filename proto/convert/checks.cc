@@ -41,6 +41,8 @@ Result<Eigen::Quaterniond> QuaternionFromProto(const v1::Quaternion& quaternion,
   const Eigen::Quaterniond result(quaternion.w(), quaternion.x(), quaternion.y(), quaternion.z());
   if (!result.coeffs().allFinite()) return InvalidArgument(field, "must be finite", "NOT_FINITE");
   constexpr double kNormTolerance = 1e-3;
+  // stableNorm, because squares of huge components overflow and the message would name an infinite
+  // norm.
   const double norm = result.coeffs().stableNorm();
   if (!(std::abs(norm - 1.0) <= kNormTolerance)) {
     return InvalidArgument(
@@ -72,6 +74,8 @@ Result<Strategy> StrategyFromProto(v1::Strategy strategy, const std::string& fie
   }
 }
 
+// Strategy has the wire's numbers. The other way needs the switch above: proto3 passes on numbers
+// that this version does not know.
 v1::Strategy StrategyToProto(Strategy strategy) { return static_cast<v1::Strategy>(strategy); }
 
 }  // namespace maploc::convert

@@ -7,6 +7,8 @@ namespace maploc {
 Result<DescriptorKind> DescriptorKindFromProto(const v1::DescriptorKind& kind,
                                                const std::string& field) {
   MAPLOC_RETURN_IF_ERROR(CheckName(field + ".name", kind.name()));
+  // A view without lines, or a map without points, has no kind: all three fields are then unset.
+  // One that is set alone is a client that forgot the name.
   if (kind.name().empty()) {
     if (kind.bytes_count() == 0 && kind.metric() == v1::DESCRIPTOR_METRIC_UNSPECIFIED) {
       return DescriptorKind{};

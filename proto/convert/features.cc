@@ -56,6 +56,7 @@ Result<Descriptors> DescriptorsFromProto(const v1::Features& features, const std
                            "DESCRIPTOR_LENGTH");
   }
   result.bytes.assign(bytes.begin(), bytes.end());
+  // A client that scales its SIFT otherwise would match far fewer landmarks, without a word.
   MAPLOC_RETURN_IF_ERROR(CheckScale(result, field + ".descriptors"));
   return result;
 }

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "maploc/v1/localization_service.pb.h"
 #include "proto/convert/checks.h"
@@ -24,6 +25,8 @@ Status MatchesFromProto(const v1::FeatureMatches& proto, const std::string& fiel
     return InvalidArgument(field + ".inliers", "their count differs from the indices'",
                            "COUNT_MISMATCH");
   }
+  // Whether an index is one of the sent features only the caller can check, because it has the
+  // query (CheckMatches in client/api/client.cc).
   for (const int feature : proto.feature_indices()) {
     matches->push_back({.feature = feature, .landmark = 0, .ratio = 1.0f});
   }
@@ -62,11 +65,28 @@ Result<Evidence> EvidenceFromProto(const v1::LocalizeResponse& response) {
   evidence.gravity_rejected = response.gravity_rejected();
   evidence.confidence = response.confidence();
   evidence.inlier_rms_px = response.inlier_rms_pixels();
-  if (!IsAtLeastZero(evidence.inlier_rms_px)) {
-    return InvalidArgument("inlier_rms_pixels", "must be at least 0", "OUT_OF_RANGE");
-  }
   MAPLOC_ASSIGN_OR_RETURN(evidence.focal_scale, FocalScaleFromProto(response));
   return evidence;
+}
+
+// A NaN would go on as JSON's null, and make the median of a whole session one.
+Status CheckNumbers(const v1::LocalizeResponse& response) {
+  const v1::StageTimes& times = response.times();
+  const std::pair<const char*, double> numbers[] = {
+      {"confidence", response.confidence()},
+      {"predicted_success", response.predicted_success()},
+      {"gravity_disagreement_radians", response.gravity_disagreement_radians()},
+      {"inlier_rms_pixels", response.inlier_rms_pixels()},
+      {"times.convert_ms", times.convert_ms()},
+      {"times.retrieval_ms", times.retrieval_ms()},
+      {"times.matching_ms", times.matching_ms()},
+      {"times.ransac_ms", times.ransac_ms()},
+      {"times.refinement_ms", times.refinement_ms()},
+      {"times.total_ms", times.total_ms()}};
+  for (const auto& [field, value] : numbers) {
+    if (!IsAtLeastZero(value)) return InvalidArgument(field, "must be at least 0", "OUT_OF_RANGE");
+  }
+  return Status::Ok();
 }
 
 Result<PoseCovariance> CovarianceFromProto(const v1::LocalizeResponse& response) {
@@ -104,6 +124,7 @@ Result<Localization> LocalizationFromProto(const v1::LocalizeResponse& response,
       response.strategy_source() > v1::STRATEGY_SOURCE_REQUESTED) {
     return convert::UnknownEnum("strategy_source", response.strategy_source());
   }
+  MAPLOC_RETURN_IF_ERROR(CheckNumbers(response));
   Localization result;
   result.outcome = static_cast<Outcome>(response.outcome());
   result.map = {map, response.map_version()};

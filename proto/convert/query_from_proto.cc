@@ -16,6 +16,8 @@ Result<View> ViewFromProto(const v1::View& view, const std::string& field) {
   MAPLOC_ASSIGN_OR_RETURN(Camera camera,
                           convert::CameraFromProto(view.camera(), field + ".camera"));
   View result{.camera = std::move(camera), .camera_from_body = {}, .points = {}, .lines = {}};
+  // The only transform with a default: the contract says that the body is the camera where it is
+  // unset.
   if (view.has_camera_from_body()) {
     MAPLOC_ASSIGN_OR_RETURN(result.camera_from_body,
                             Rigid3FromProto(view.camera_from_body(), field + ".camera_from_body"));
@@ -41,6 +43,7 @@ Result<std::optional<Gravity>> GravityFromProto(const v1::LocalizeRequest& reque
                            "ZERO_GRAVITY");
   }
   const double sigma_rad = gravity.sigma_radians();
+  // Negated here and below, so that a NaN is refused too.
   if (!(sigma_rad > 0 && sigma_rad <= std::numbers::pi / 2)) {
     return InvalidArgument("gravity.sigma_radians", "must be in (0, pi/2] radians", "OUT_OF_RANGE");
   }
@@ -49,6 +52,8 @@ Result<std::optional<Gravity>> GravityFromProto(const v1::LocalizeRequest& reque
 
 Result<PosePrior> PriorFromProto(const v1::PosePrior& prior) {
   PosePrior result;
+  // proto3 reads an unset message as zeros, and the prior would be taken for one at the origin of
+  // the map.
   if (!prior.has_position_in_map()) {
     return InvalidArgument("prior.position_in_map", "is required in a prior", "REQUIRED");
   }
@@ -90,6 +95,8 @@ Status CheckNames(const v1::LocalizeRequest& request) {
   MAPLOC_RETURN_IF_ERROR(CheckName("session_id", request.session_id()));
   MAPLOC_RETURN_IF_ERROR(CheckName("map", request.map()));
   MAPLOC_RETURN_IF_ERROR(CheckName("request_id", request.request_id()));
+  // Within a session the map may be left out. That one which is sent is the session's is checked
+  // where sessions are known (server/service/localize.cc).
   if (request.session_id().empty() && request.map().empty()) {
     return InvalidArgument("map", "is required outside of a session", "REQUIRED");
   }

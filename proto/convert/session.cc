@@ -32,7 +32,8 @@ Result<SessionRequest> SessionRequestFromProto(const v1::StartSessionRequest& re
     return InvalidArgument("labels", "at most 32 are allowed", "TOO_MANY_LABELS");
   }
   for (const auto& [key, value] : request.labels()) {
-    MAPLOC_RETURN_IF_ERROR(convert::CheckRequiredName("labels", key));
+    if (key.empty()) return InvalidArgument("labels", "one has an empty key", "REQUIRED");
+    MAPLOC_RETURN_IF_ERROR(CheckName("labels", key));
     MAPLOC_RETURN_IF_ERROR(CheckName("labels[" + key + "]", value));
   }
   return SessionRequest{.map = request.map(),

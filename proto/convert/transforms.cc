@@ -8,6 +8,8 @@ namespace maploc {
 
 Result<Rigid3> Rigid3FromProto(const v1::Rigid3& rigid, const std::string& field) {
   Rigid3 result;
+  // proto3 reads an unset message as zeros, and a forgotten translation would be taken for none. A
+  // rotation needs no such check: zeros are no unit quaternion.
   if (!rigid.has_translation()) {
     return InvalidArgument(field + ".translation", "is required; send zeros where it is zero",
                            "REQUIRED");

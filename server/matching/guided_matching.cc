@@ -11,11 +11,11 @@
 namespace maploc {
 namespace {
 
-// Of the known matches' distances, largest but for so many: a bound that one wrong match does not
-// set.
+// Of the known inliers' distances. Not the largest, which a single wrong match would set.
 constexpr double kSimilarQuantile = 0.9;
 
-// Cells along the image's longer side, at most: a small radius does not make a large grid.
+// Cells along the image's longer side, at most. The radius follows the threshold that a client may
+// send (max_error_pixels): a tiny one would ask for a grid of gigabytes.
 constexpr double kMaxCells = 256.0;
 
 // Features by square cells of the image, not smaller than the radius, so that those within it of a
@@ -49,6 +49,7 @@ class FeatureGrid {
     const bool near_image = (pixel.array() > -radius_px_).all() &&
                             (pixel.array() < size_px_.array() + radius_px_).all();
     if (!near_image) return;
+    // Near the image by now: what is farther off may be beyond an int.
     const int column = static_cast<int>(std::floor(pixel.x() / cell_px_));
     const int row = static_cast<int>(std::floor(pixel.y() / cell_px_));
     for (int r = std::max(row - 1, 0); r <= std::min(row + 1, rows_ - 1); ++r) {
@@ -89,6 +90,7 @@ class Similarity {
       : features_(view.points.descriptors),
         rows_(segment.points.descriptors),
         begin_(segment.points.size() + 1, 0) {
+    // A segment's rows ascend by landmark, so that those of one stand together.
     for (const std::int32_t landmark : segment.points.descriptor_landmark) ++begin_[landmark + 1];
     for (std::size_t i = 1; i < begin_.size(); ++i) begin_[i] += begin_[i - 1];
   }

@@ -32,6 +32,7 @@ struct JointNeighbours {
       id = other_id;
       own = {0, other.best_distance, second};
     } else {
+      // The other part's second is no nearer than its best.
       own.second_distance = std::min(own.second_distance, other.best_distance);
     }
   }
@@ -61,6 +62,7 @@ std::vector<FeatureMatch> MatchKind(const std::vector<Part>& parts,
           !PassesRatio(nearest.neighbours, kind.metric, MaxRatio(kind))) {
         continue;
       }
+      // There: the joint segment has the landmarks of all parts, ascending.
       const auto place = std::ranges::lower_bound(joint_ids, nearest.id) - joint_ids.begin();
       matches.push_back({match.feature, static_cast<std::int32_t>(place),
                          static_cast<float>(RatioOf(nearest.neighbours, kind.metric))});

@@ -11,9 +11,9 @@ namespace {
 
 // Looked at first, spread over all.
 constexpr int kPoints = 1000;
-// Of the matches as they were sent: a symmetric front that is seen honestly matches turned over,
-// too, but at most 1.04 times as often; mirrored ones at least 1.56 times. And so many standard
-// deviations of the two counts' difference more.
+// A photo is mirrored if its descriptors match more than kMore times as often when turned over, and
+// the difference exceeds kSigmas of its standard deviations. Honest photos of a symmetric front
+// reach 1.04 times, mirrored ones 1.56 at least (README.md).
 constexpr double kMore = 1.25;
 constexpr double kSigmas = 4.0;
 

@@ -7,7 +7,7 @@
 namespace maploc {
 namespace {
 
-// From where a landmark was seen; not known where the map does not know it.
+// From where a landmark was seen. Unknown for a map that was made without it: `viewing` is empty.
 ViewingRange ViewingOf(const std::vector<ViewingRange>& viewing, std::int32_t landmark) {
   return viewing.empty() ? ViewingRange{} : viewing[landmark];
 }
@@ -18,10 +18,10 @@ struct Seen {
   std::optional<PixelFrame> frame;
 };
 
-// How one view's pixels become that.
+// The camera that turns pixels into Seen.
 struct Eye {
   const Camera& camera;
-  double focal_length_px;  // the problem's
+  double focal_length_px;  // its own: in the plane z = 1 lengths are pixels over this one, too
   bool wide;
 };
 
@@ -75,7 +75,7 @@ MatchedProblem BuildPoseProblem(const Matches& matches, const View& view, const 
     problem.gravity_in_camera = (camera_from_body * gravity->direction_in_body).normalized();
     problem.gravity_sigma_rad = gravity->sigma_rad;
   }
-  const Eye eye{view.camera, problem.focal_length_px, view.camera.IsWide()};
+  const Eye eye{view.camera, view.camera.MeanFocalLengthPx(), view.camera.IsWide()};
   for (const FeatureMatch& match : matches.points) AddPoint(match, eye, view, segment, matched);
   for (const FeatureMatch& match : matches.lines) AddLine(match, eye, view, segment, matched);
   return matched;

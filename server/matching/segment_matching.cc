@@ -31,6 +31,7 @@ KindSearch SearchLines(const View& view, const Segment& segment) {
 
 }  // namespace
 
+// Generous, because RANSAC stands wrong matches better than missing ones. LBD's was not measured.
 float MaxRatio(const DescriptorKind& kind) {
   if (kind.metric == DescriptorMetric::kL2U8) return 0.85f;
   return kind.name == "lbd" ? 0.9f : 0.95f;

@@ -69,10 +69,12 @@ Consensus Estimate(const QueryContext& context, const Attempt& attempt, const Po
     options.max_iterations = Patience(strategy, decision.predicted_success, options.max_iterations);
   }
   options.max_reprojection_error_px = context.MaxErrorVgaPx();
+  // A segment's draws do not depend on what was tried before it.
   options.seed = Random(context.seed).Fork(segment->id).Next();
   options.deadline = context.interrupt.deadline;
   options.cancelled = context.interrupt.cancelled;
   Consensus consensus = EstimateConsensus(problem, options);
+  // Told against what was recorded or asked for: `strategy` may itself be the pipeline's next one.
   consensus.fell_back = consensus.strategy != ChooseStrategy(context, decision);
   return consensus;
 }
@@ -165,7 +167,9 @@ Found FindPoseByWhatIsHeard(const QueryContext& context, const Attempt& attempt,
                         Trusting(context, attempt, iterations))) {
     return found;
   }
+  // With fallbacks, because a strategy that draws lines has no sample here.
   Found by_points = FindPose(context, attempt, PointsAlone(attempt.problem), true, times);
+  // All hypotheses of a query count in the test against chance.
   by_points.consensus.iterations += found.consensus.iterations;
   by_points.with_lines = false;
   return by_points;
@@ -178,6 +182,7 @@ Result<Localization> TryStrategy(const QueryContext& context, const Attempt& att
   const Found found = FindPoseByWhatIsHeard(context, attempt, iterations, times);
   MAPLOC_RETURN_IF_ERROR(context.interrupt.Check());
   iterations += found.consensus.iterations;
+  // Told without a pose, in case that none follows.
   FillEvidence(attempt.problem, RefinedPose(), found.consensus, answer.evidence);
   answer.outcome = Outcome::kNoConsensus;
   if (!found.pose.converged) return answer;
@@ -212,6 +217,8 @@ Result<Localization> TryMatches(const QueryContext& context, const MapSnapshot::
   std::optional<Localization> told;
   int spent = 0;
   for (const Strategy strategy : strategies) {
+    // Where no next strategy follows RANSAC may fall back itself, if this one has no sample or
+    // finds no consensus.
     const Attempt attempt{entry, problem, context.query.gravity.has_value(), strategy,
                           strategies.size() == 1};
     Result<Localization> answer = TryStrategy(context, attempt, start, iterations, times);
@@ -288,6 +295,7 @@ Result<Localization> RefineKnown(const QueryContext& context, const MapSnapshot:
                         /*fall_back=*/false,
                         /*max_iterations=*/std::nullopt,
                         consensus};
+  // A copy: nothing is drawn here, so the query's own count does not change.
   int iterations = known.evidence.iterations;
   MAPLOC_ASSIGN_OR_RETURN(
       Localization answer,

@@ -24,7 +24,8 @@ constexpr double kShareSigmas = 2.0;
 // Three of four inlier points are found within a few dozen draws. (Of 1P1L only if lines agree,
 // too.)
 constexpr int kMaxIterations = 200;
-// Of the inlier threshold: a truer lens must find the matches that it would win.
+// Radius of the guided search in inlier thresholds. Above one, so that the matches are there that a
+// truer lens than the sent one would gain (server/trust/calibration.h).
 constexpr double kGuidedRadius = 1.5;
 // Of the server's threshold. Within a wider one of the query's own, too many landmarks compete.
 constexpr double kWidestThreshold = 2.0;
@@ -62,10 +63,14 @@ bool IsSure(const Localization& answer) {
 
 // What the sample says of the final pose.
 void CountSample(const Localization& coarse, Localization& fine) {
+  // The sample's matches come first (MatchGuided). None of them was dropped since, because the
+  // camera could see each one before.
   const auto sample_end = fine.point_match_inlier.begin() + std::ssize(coarse.matches.points);
   fine.evidence.points = {
       .matches = coarse.evidence.points.matches,
       .inliers = std::accumulate(fine.point_match_inlier.begin(), sample_end, std::int32_t{0})};
+  // What was looked for near the sample's pose agrees with it anyway, and must not raise the
+  // confidence.
   fine.evidence.confidence = std::min(fine.evidence.confidence, coarse.evidence.confidence);
 }
 

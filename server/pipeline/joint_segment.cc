@@ -52,7 +52,8 @@ void AppendRows(const Landmarks& part, int landmark, Landmarks& joint) {
   }
 }
 
-// From where landmarks were seen: where one part does not know it, nobody does.
+// From where landmarks were seen. All parts must know it: an unknown range says that the landmark
+// can be seen from everywhere.
 template <typename Landmarks>
 void JoinViewing(const std::vector<const Landmarks*>& parts, const std::vector<Source>& sources,
                  Landmarks& joint) {
@@ -69,6 +70,7 @@ template <typename Landmarks>
 Landmarks Join(const std::vector<const Landmarks*>& parts) {
   Landmarks joint;
   for (const Landmarks* part : parts) {
+    // A segment without such landmarks may have no kind.
     if (joint.descriptors.kind.bytes == 0) joint.descriptors.kind = part->descriptors.kind;
   }
   const std::vector<Source> sources = DistinctLandmarks(parts);

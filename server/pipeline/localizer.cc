@@ -188,6 +188,7 @@ Result<Localization> TrySegments(const QueryContext& context, const std::vector<
                           progress.segments.Load(ranked.front(), times));
   MAPLOC_ASSIGN_OR_RETURN(std::optional<Localization> quick,
                           TryCoarseToFine(context, *best, progress.iterations, times));
+  // Beyond a prior, a segment near it may have contradicted the calibration already.
   if (quick) quick = Weigh(*std::move(quick), progress);
   if (quick && quick->outcome == Outcome::kLocalized) return *std::move(quick);
   const bool alone = ranked.size() == 1;

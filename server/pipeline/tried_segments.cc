@@ -10,6 +10,7 @@ Result<TriedSegments::Tried*> TriedSegments::Find(int segment, StageTimes& times
   if (const auto found = tried_.find(segment); found != tried_.end()) return &found->second;
   const Stopwatch watch(times.retrieval_ms);
   MAPLOC_ASSIGN_OR_RETURN(MapSnapshot::Entry entry, context_.map.Load(segment, context_.interrupt));
+  // In a std::map, so that what was returned before stays in its place.
   return &tried_.emplace(segment, Tried{std::move(entry), std::nullopt}).first->second;
 }
 

@@ -11,12 +11,13 @@
 namespace maploc {
 namespace {
 
-// Of the answer's clear matches: as many as make another pose's inliers a doubt (UnlessTwin).
+// Share of the answer's clear matches. The same share of inliers makes another pose a doubt
+// (UnlessTwin).
 constexpr double kTwinShare = 0.4;
 constexpr float kClearRatio = 0.75f;
 constexpr std::size_t kMostTwins = 2;
-// Of the inlier threshold. A place that was mapped twice is not mapped alike; of another place's
-// landmarks one in 240 lies as near by chance (20 pixels of a VGA-sized image).
+// In inlier thresholds. Wider than one, because a place that was mapped twice is not mapped alike;
+// of another place's landmarks one in 240 lies as near by chance (20 pixels of a VGA-sized image).
 constexpr double kNear = 5.0;
 
 bool IsClear(const FeatureMatch& match) { return match.ratio < kClearRatio; }
@@ -72,6 +73,7 @@ Result<std::vector<int>> FindTwins(const QueryContext& context, const Ranking& r
                                    const Localization& answer, TriedSegments& segments,
                                    StageTimes& times) {
   const auto own = ranking.matches.find(answer.segment);
+  // A prior that leaves few segments ranks them by distance, and nothing was matched.
   if (own == ranking.matches.end()) return std::vector<int>();
   const double needed =
       kTwinShare * static_cast<double>(std::ranges::count_if(own->second, IsClear));

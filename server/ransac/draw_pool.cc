@@ -12,6 +12,7 @@ constexpr double kDrawsAMatch = 0.5;  // T_N / N
 
 DrawPool::DrawPool(std::uint32_t matches, bool has_quality)
     : draws_to_all_(kDrawsAMatch * matches) {
+  // With a T_N of one draw or less the share would begin above one.
   if (has_quality && draws_to_all_ > 1.0) share_ = std::sqrt(draws_ / draws_to_all_);
 }
 

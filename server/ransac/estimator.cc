@@ -23,7 +23,8 @@ std::vector<Strategy> StrategiesToTry(const RansacOptions& options) {
   return strategies;
 }
 
-// The arrays of a search, kept while they are the best.
+// Takes the pose of a search if enough features agree with it. They are counted anew, in double
+// precision and the map's own frame; the search scored in single precision about the centroid.
 void Adopt(const PoseProblem& problem, const PreparedProblem& prepared,
            const RansacOptions& options, const SearchResult& search, Strategy strategy,
            Consensus* consensus) {
@@ -51,6 +52,7 @@ Consensus EstimateConsensus(const PoseProblem& problem, const RansacOptions& opt
     const SearchResult search = SearchConsensus(prepared, options, strategy, random);
     consensus.iterations += search.iterations;
     consensus.interrupted = search.interrupted;
+    // A strategy that has no sample in this problem was not tried, and is not reported.
     if (search.drawn) {
       consensus.strategy = strategy;
       consensus.fell_back = strategy != options.strategy;

@@ -76,6 +76,7 @@ void AddNear(const std::vector<Correspondence>& features, const Places& places,
 void AddGravity(const PoseProblem& problem, double pixel_sigma, const PoseMatrix& pose,
                 NormalEquations* equations) {
   const double sigma = std::max(problem.gravity_sigma_rad, kMinGravitySigmaRad);
+  // Features weigh 1 instead of 1 / pixel_sigma^2: so gravity weighs pixel_sigma^2 times as much.
   const double weight = pixel_sigma * pixel_sigma / (sigma * sigma);
   const Eigen::Vector3d& measured = problem.gravity_in_camera;
   const Eigen::Vector3d predicted = -pose.rotation.col(2);
@@ -112,6 +113,7 @@ bool LocalOptimizer::Step(double threshold, PoseMatrix* camera_from_centred) {
   count = FindScoringLines(prepared_.line_arrays, scoring_pose, near, &places_);
   AddNear(prepared_.centred.lines, prepared_.line_places, {places_.data(), count}, threshold, pose,
           &equations);
+  // Six unknowns. A feature gives two equations, and so does gravity.
   if (equations.features < (use_gravity_ ? 2 : 3)) return false;
   if (use_gravity_) {
     AddGravity(prepared_.centred, threshold / kSigmasOfThreshold, pose, &equations);

@@ -26,6 +26,8 @@ PreparedLine PrepareLine(const LineCorrespondence& line,
                   : Eigen::Vector3d(line.normalized.start.homogeneous())
                         .cross(Eigen::Vector3d(line.normalized.end.homogeneous()));
   const Eigen::Vector3d along = line.segment_in_map.end - line.segment_in_map.start;
+  // A segment along one ray, or a landmark of no length, has no plane or no direction. Such a line
+  // is neither usable nor vertical, and is never drawn.
   const bool seen = normal.squaredNorm() > 0 && along.squaredNorm() > 0;
   prepared.plane_normal_in_camera = seen ? Eigen::Vector3d(normal.normalized()) : normal;
   prepared.plane_normal_in_aligned = aligned_from_camera * prepared.plane_normal_in_camera;
@@ -141,6 +143,7 @@ PreparedProblem PrepareProblem(const PoseProblem& problem, Random& random) {
   PreparedProblem prepared;
   prepared.centroid = Centroid(problem);
   prepared.centred = MovedTo(problem, prepared.centroid);
+  // Without gravity only P3P is drawn, which takes the rays of the camera.
   const Eigen::Quaterniond camera_from_aligned = problem.has_gravity
                                                      ? CameraFromAligned(problem.gravity_in_camera)
                                                      : Eigen::Quaterniond::Identity();

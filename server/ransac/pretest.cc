@@ -25,6 +25,7 @@ std::size_t DrawBegin(std::size_t size, std::size_t block, Random& random) {
 int CountOwn(const std::uint32_t* features, int count, const Places& places, std::size_t begin,
              std::size_t size) {
   return static_cast<int>(std::count_if(features, features + count, [&](std::uint32_t feature) {
+    // Unsigned: a place before `begin` wraps round to a large one.
     return places.of_feature[feature] - begin < size;
   }));
 }

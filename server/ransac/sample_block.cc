@@ -18,6 +18,8 @@ void SampleBlock::Arrays<kVectors>::Get(int place, const PreparedProblem& prepar
                                         Hypotheses& out) const {
   out.sample = samples[place];
   for (const auto& of_root : poses) {
+    // The batched solvers' mark for a root that does not exist, or has a depth that is not
+    // positive.
     if (std::isnan(of_root[0][place])) continue;
     const AlignedPose pose = {{of_root[0][place], of_root[1][place]},
                               {of_root[2][place], of_root[3][place], of_root[4][place]}};

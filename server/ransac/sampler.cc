@@ -138,6 +138,8 @@ void Sampler::AddPointAndLine(std::uint32_t point, std::uint32_t line) {
 }
 
 void Sampler::AddPointAndVerticals(std::uint32_t point, std::uint32_t line, std::uint32_t other) {
+  // A rejected draw is no iteration, so that the draws that count are of two different lines, as
+  // the stop rule takes them to be (DrawProbability).
   if (other == line) return block_.AddRejected();
   Hypotheses out;
   out.sample = {.point_count = 1,

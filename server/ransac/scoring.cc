@@ -29,6 +29,7 @@ HWY_INLINE std::size_t FindScoring(Lanes d, std::size_t size, const FeatureValue
   std::size_t count = 0;
   for (std::size_t i = 0; i < size; i += hn::Lanes(d)) {
     const auto scores = hn::RebindMask(du, features.At(d, i).scores);
+    // With many outliers most vectors hold no feature that scores, and skip the costly store.
     if (hn::AllFalse(du, scores)) continue;
     count +=
         hn::CompressStore(hn::Iota(du, static_cast<std::uint32_t>(i)), scores, du, places + count);

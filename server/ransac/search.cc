@@ -185,6 +185,7 @@ class Search {
   const std::array<double, 4> local_thresholds_;  // of the steps of local optimization
   Pretest pretest_;
   LocalOptimizer optimizer_;
+  // Of samples before local optimization: a sample is compared with its like.
   double best_sampled_score_ = 0.0;
   double runner_up_features_ = 0.0;  // that may still be looked at
   SearchResult result_;

@@ -8,6 +8,7 @@ namespace maploc {
 namespace {
 
 double Ratio(double numerator, double denominator) {
+  // Callers take the drawn feature off: without an inlier the numerator is -1.
   return denominator > 0 ? std::max(numerator, 0.0) / denominator : 0.0;
 }
 
@@ -41,7 +42,9 @@ int RequiredIterations(double draw_probability, double yield, double confidence,
   const double success = std::clamp(draw_probability * yield, 0.0, 1.0);
   if (success <= 0) return max_iterations;
   if (success >= 1) return 1;
+  // log1p, because 1 - success rounds to 1 for the smallest successes.
   const double needed = std::log1p(-confidence) / std::log1p(-success);
+  // Clamped before the cast: at a small success more are needed than an int counts.
   return static_cast<int>(std::clamp(std::ceil(needed), 1.0, static_cast<double>(max_iterations)));
 }
 

@@ -106,6 +106,7 @@ PoseCovariance CovarianceOfMapFromCamera(const PoseMatrix& camera_from_map,
   jacobian.topRightCorner<3, 3>() = -map_from_camera;
   jacobian.bottomLeftCorner<3, 3>() = -map_from_camera;
   const Matrix6 moved = jacobian * covariance * jacobian.transpose();
+  // The product is symmetric up to rounding alone, and callers decompose it as symmetric.
   return 0.5 * (moved + moved.transpose());
 }
 

@@ -78,6 +78,7 @@ void AddFeature(bool projects, Eigen::Vector2d error, Jacobian26 jacobian,
   const LossFactor factor = CauchyFactor(error.squaredNorm(), scales.loss_scale);
   if (rows->wants_jacobian()) {
     jacobian /= scales.feature_sigma;
+    // d (factor e) = factor J + e d factor, with d factor = by_s d |e|^2 = 2 by_s e^T J.
     const Eigen::Matrix<double, 1, 6> along = error.transpose() * jacobian;
     jacobian = factor.value * jacobian + 2.0 * factor.by_s * error * along;
   }

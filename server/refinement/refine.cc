@@ -55,7 +55,7 @@ Eigen::Vector3d SomeLandmark(const PoseProblem& problem) {
   return Eigen::Vector3d::Zero();
 }
 
-// Every k-th flagged feature of each kind, evenly spread, so that about `count` are left.
+// Keeps every `step`-th flagged feature, so that what is left is evenly spread.
 void ThinOut(std::size_t step, std::vector<std::uint8_t>* flags) {
   std::size_t seen = 0;
   for (std::uint8_t& flag : *flags) {
@@ -104,6 +104,7 @@ class Refiner {
       inliers = std::move(next);
       if (stays) break;
     }
+    // The last round may have left too few to determine what it has found.
     refined.converged = refined.converged && inliers.count >= MinFeatures(mode_);
     refined.camera_from_map = pose;
     const ResidualSum residuals = SumResiduals(problem_, PoseMatrix(pose), inliers);
@@ -207,6 +208,8 @@ std::size_t RefinedPose::InlierCount() const {
 
 RefinedPose RefinePose(const PoseProblem& problem, const Rigid3& camera_from_map,
                        const RefineOptions& options) {
+  // About a landmark: far from the map's origin rotation and translation could not be told apart in
+  // double precision.
   const Eigen::Vector3d origin = SomeLandmark(problem);
   const PoseProblem moved = MovedTo(problem, origin);
   const Rigid3 start = {camera_from_map.rotation, camera_from_map * origin};

@@ -69,6 +69,7 @@ PlaceIndex PlaceIndex::Build(std::span<const SegmentPlace> segments) {
 // Rows of the landmark whose holders were added last.
 void PlaceIndex::AddRows(const SegmentPlace& segment, std::int32_t landmark) {
   const std::vector<std::int32_t>& owners = segment.descriptor_landmark;
+  // A place lists its rows by ascending landmark.
   const auto [first, last] = std::equal_range(owners.begin(), owners.end(), landmark);
   if (first != last) descriptors_.kind = segment.descriptors.kind;
   const std::span<const std::int32_t> holders = std::span(holders_).subspan(segment_begin_.back());
@@ -77,6 +78,7 @@ void PlaceIndex::AddRows(const SegmentPlace& segment, std::int32_t landmark) {
     const auto index = static_cast<std::int32_t>(row_landmark_.size());
     for (const std::int32_t holder : holders) segment_rows_[holder].push_back(index);
     descriptors_.bytes.insert(descriptors_.bytes.end(), bytes.begin(), bytes.end());
+    // The index of the landmark itself: it is counted only when Build closes it in segment_begin_.
     row_landmark_.push_back(landmark_count());
   }
 }

@@ -77,6 +77,7 @@ Ranking RankByFeatures(const Descriptors& all_features, std::vector<int> candida
     const std::vector<int> votes =
         CountVotes(EvenRows(all_features, kMinFeatures), places, segment_count, options.max_ratio);
     candidates = Best(std::move(candidates), options.max_shortlist, votes);
+    // Ascending again, because Best leaves equals in their order, and ties go by id.
     std::sort(candidates.begin(), candidates.end());
   }
   const std::vector<int> sample =

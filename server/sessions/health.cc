@@ -19,6 +19,7 @@ void Health::Report(const std::string& part, const Status& status,
                     std::chrono::steady_clock::time_point began) {
   const std::lock_guard lock(mutex_);
   if (!status.ok()) {
+    // try_emplace keeps an entry that is there: `since` stays the first failing round's.
     Fail(part, status, failing_.try_emplace(part, Failure{began, "", false}).first->second);
   } else if (failing_.erase(part) > 0) {
     spdlog::info("{}: works again", part);

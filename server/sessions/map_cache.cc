@@ -100,6 +100,8 @@ void MapCache::SetEnabled(const MapKey& key) {
 
 Result<MapCache::Snapshot> MapCache::Get(const MapKey& key) {
   if (Snapshot found = Find(key)) return found;
+  // Whoever held the lock may have loaded this version: it is looked for again, also if the time is
+  // up.
   const std::unique_lock load_lock(load_mutex_, WaitLimit::CurrentDeadline());
   if (Snapshot found = Find(key)) return found;
   if (!load_lock) {
@@ -128,6 +130,7 @@ MapCache::Snapshot MapCache::FindEnabled(const std::string& name) {
 }
 
 Result<MapCache::Snapshot> MapCache::Load(const MapKey& key) {
+  // Read first: what is committed during the load has a higher one, and is fetched below.
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t counter, store_->ChangeCounter());
   const Result<MapSummary> map = store_->GetMap(key);
   if (!map.ok()) return MapNotFound(map.status(), key.name);
@@ -179,6 +182,8 @@ void MapCache::Drop(const MapKey& key) {
 Status MapCache::Refresh() {
   const std::lock_guard refresh_lock(refresh_mutex_);
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t counter, store_->ChangeCounter());
+  // Read before the segments: what is committed meanwhile is seen again in the next round.
+  // seen_counter_ moves only when every map was refreshed.
   if (counter == seen_counter_) return Status::Ok();
   for (const MapKey& key : LoadedKeys()) {
     MAPLOC_RETURN_IF_ERROR(RefreshStrategies(key, seen_counter_));
@@ -202,6 +207,7 @@ void MapCache::LoadEnabledVersions() {
   }
   for (const std::string& name : names) {
     const Status status = LoadEnabled(name).status();
+    // Deleted since: RefreshStrategies drops it.
     if (status.reason() == "MAP_NOT_FOUND") continue;
     if (!status.ok()) spdlog::error("map '{}' cannot be loaded: {}", name, status.ToString());
   }

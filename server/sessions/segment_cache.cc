@@ -79,7 +79,8 @@ std::shared_ptr<const SegmentSource> SegmentCache::Open(const MapInfo& version) 
 Result<SegmentCache::SharedSegment> SegmentCache::Get(const Source& source, SegmentId id,
                                                       const Interrupt& interrupt) {
   const Key key(source.number(), id);
-  std::vector<SharedSegment> freed;  // after the lock
+  // Declared before the lock, so that nobody waits for it while segments are freed.
+  std::vector<SharedSegment> freed;
   std::unique_lock lock(mutex_);
   freed = TakeBeyondBudget();  // what queries have let go since
   if (SharedSegment kept = FindKept(key)) return kept;

@@ -133,6 +133,7 @@ Result<Session> SessionManager::Start(const NewSession& request) {
                   "other sessions wait to be started; try again");
   }
   ForgetOldRequests();
+  // Before room is made: a repeated start needs none, and must not be refused by a full server.
   MAPLOC_ASSIGN_OR_RETURN(std::optional<Session> repeated, FindRepeated(request));
   if (repeated) return *std::move(repeated);
   MAPLOC_RETURN_IF_ERROR(MakeRoom(request.robot));
@@ -150,6 +151,7 @@ Status SessionManager::MakeRoom(const std::string& robot) {
           "robot '" + robot + "' has " + std::to_string(own) + " open sessions; end some");
     }
   }
+  // start_mutex_ is held, so that none is added before this one.
   if (open_sessions() < options_.max_open_sessions) return Status::Ok();
   if (const std::shared_ptr<Open> unused = ClaimUnused()) {
     return Finish(unused, SessionEnd::kIdle).status();
@@ -161,6 +163,7 @@ std::shared_ptr<SessionManager::Open> SessionManager::ClaimUnused() {
   const std::lock_guard lock(mutex_);
   std::shared_ptr<Open> oldest;
   for (const auto& [id, open] : open_) {
+    // A sequence above 1: it had queries, also before a restart (Recover).
     if (open->next_sequence > 1 || open->running > 0 || open->ending) continue;
     if (oldest == nullptr || open->last_activity < oldest->last_activity) oldest = open;
   }
@@ -176,6 +179,7 @@ Result<Session> SessionManager::StartNew(const NewSession& request) {
   session.labels = request.labels;
   if (!request.request_id.empty()) session.labels[kRequestIdLabel] = request.request_id;
   session.start_unix_ns = clock_.NowUnixNanos();
+  // In the store first: a robot must not be told an id that a crash forgets.
   if (const Status status = store_->StartSession(session); !status.ok()) {
     NoteRefusal(status);
     // The robot's words were checked; what is refused here is the server's own.

@@ -25,6 +25,7 @@ bool IsOfTheStore(const Status& status) {
 
 void SessionManager::Run() {
   Health& health = options_.health != nullptr ? *options_.health : own_health_;
+  // A stop must not wait for another process that holds the store.
   const WaitLimit until_stop(kNoDeadline, &stopping_);
   std::unique_lock lock(mutex_);
   while (!stopping_) {
@@ -57,7 +58,8 @@ Status SessionManager::Flush() {
   return first_error;
 }
 
-// Before robots are refused (Enter), whatever the failure is and however short.
+// At half of the limit, so that an operator hears of it before Enter refuses robots. Whatever the
+// failure is, and however short it lasts.
 Status SessionManager::WithBacklog(const Status& status) const {
   const std::lock_guard lock(mutex_);
   if (status.ok() || unsaved_ < options_.max_unsaved_observations / 2) return status;
@@ -76,6 +78,7 @@ std::vector<std::vector<SessionManager::Batch>> SessionManager::Waiting() const 
   std::vector<std::vector<Batch>> groups;
   std::size_t size = kMaxGroup;  // of the last group
   for (const auto& [id, open] : open_) {
+    // An end takes its observations along, in its own transaction (Finish).
     if (open->unsaved.empty() || open->ending) continue;
     if (size >= kMaxGroup) {
       groups.emplace_back();
@@ -145,6 +148,7 @@ Result<std::shared_ptr<SessionManager::Open>> SessionManager::Claim(const Sessio
   if (found == open_.end()) return std::shared_ptr<Open>();
   const std::shared_ptr<Open> open = found->second;
   open->ending = true;
+  // No query enters from here on, so that those that run come to an end.
   if (Wait(lock, deadline, [&] { return open->running == 0; })) return open;
   open->ending = false;
   changed_.notify_all();

@@ -12,7 +12,8 @@ namespace maploc {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Of yaw_equation.h, which is compiled for the baseline alone (Eigen).
+// kDoubleRootTolerance, repeated: yaw_equation.h includes Eigen, which must not be compiled once a
+// target.
 constexpr double kTolerance = 1e-10;
 
 template <class D>
@@ -173,7 +174,7 @@ HWY_INLINE std::size_t Up1p1l(D d, const Up1p1lArrays& s, const AlignedPoseArray
   return hn::CountTrue(d, roots.real);
 }
 
-// Whole vectors, then the rest one by one.
+// Whole vectors, then the rest one by one, because the arrays have no padding to read.
 std::size_t Up2pKernel(const Up2pArrays& samples, const AlignedPoseArrays& first,
                        const AlignedPoseArrays& second) {
   const hn::ScalableTag<double> d;

@@ -27,11 +27,12 @@ const LensValues kUsual(0.008, 0.008, 0.008, 0.016);
 constexpr double kMaxDistance2 = 30.0;
 // From here on, one in a hundred, another lens is not known but suspected.
 constexpr double kSuspectedDistance2 = 13.3;
-// Of the support. True lenses gain at most 4% (tourists' photos of a flat front) and 5% (a wall
-// with errors of depth); a focal length 2% off before a court of depth gains 10% (MEASUREMENTS.md).
+// Least gain of support. True lenses gain at most 4% (tourists' photos of a flat front) and 5% (a
+// wall with errors of depth); a focal length 2% off before a court of depth gains 10%
+// (MEASUREMENTS.md).
 constexpr double kClearGain = 0.06;
-// Of a fit that does not end. Lenses that are truly three times as long as sent and more gain at
-// least 23% before a sheet tilted by half a radian (MEASUREMENTS.md).
+// The same for a fit that does not end. Lenses that are truly three times as long as sent and more
+// gain at least 23% before a sheet tilted by half a radian (MEASUREMENTS.md).
 constexpr double kRunawayGain = 0.16;
 // The matches determine the focal length up to this standard deviation. Beyond it, all values of a
 // lens together fit a sheet that the map has bent, and mean nothing.

@@ -23,6 +23,7 @@ Eigen::Vector2d Tilt(const PoseProblem& problem, const Rigid3& camera_from_map) 
       camera_from_map.rotation.conjugate() * problem.gravity_in_camera;
   const double angle = AngleBetween(kGravityInMap, measured_in_map);
   const Eigen::Vector2d axis = kGravityInMap.cross(measured_in_map).head<2>();
+  // The same direction, or the opposite one, which any horizontal axis turns back.
   if (!(axis.norm() > 0)) return {angle, 0.0};
   return angle * axis.normalized();
 }

@@ -42,6 +42,7 @@ ConfidenceOptions ChanceOptions(const Camera& camera, const TrustOptions& option
   const double scale = PixelScale(camera);
   ConfidenceOptions chance;
   chance.max_reprojection_error_px = options.refine.max_reprojection_error_px;
+  // In pixels of a VGA-sized image, as everything in the problem.
   chance.image_width_px = static_cast<int>(camera.width_px() / scale);
   chance.image_height_px = static_cast<int>(camera.height_px() / scale);
   chance.iterations = options.iterations;
@@ -96,6 +97,8 @@ class Judge {
 
   // True where a rival is left that is neither clearly better nor clearly worse.
   bool TakeBetterRival() {
+    // A pose that takes the place may have a rival itself, so there is a second round, in which
+    // none takes the place any more.
     for (int i = 0; i < 2; ++i) {
       const auto rival = FindRival(problem_, verdict_.pose, InliersThatRival(), chance_);
       if (!rival) return false;

@@ -218,6 +218,7 @@ Eigen::Matrix<double, 10, 1> LensFit::Step(const Equations& equations) const {
   Vector10 right = equations.right;
   right.tail<4>() -= lens_.cwiseQuotient(prior_.cwiseAbs2());
   const Vector10 step = equations.WithPrior(prior_).ldlt().solve(right);
+  // The whole step is shortened, because its pose and its lens were solved for together.
   return std::min(1.0, kLargestStep / step.tail<4>().cwiseAbs().maxCoeff()) * step;
 }
 

@@ -110,6 +110,7 @@ PairCount WrongPairs(const std::vector<PointUnderPose>& points,
     return (points[i].seen - points[j].projected).squaredNorm() < threshold2;
   };
   return CountWrongPairs(points.size(), outliers, [&](std::size_t i, std::size_t j) {
+    // A feature near that of the match sees the same thing, and its agreement is no accident.
     const bool apart = AreApart(points[i].seen, points[j].seen, threshold);  // false of i = j
     return Tell(apart, apart && agrees(i, j));
   });

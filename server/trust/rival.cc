@@ -106,7 +106,8 @@ std::optional<RefinedPose> SearchRival(const PoseProblem& left_over, bool with_g
   return rival;
 }
 
-// What the camera saw with its x turned over: a pixel's own x does not matter to an error's length.
+// What the camera saw with its x turned over. The sign of the pixel's x, which would turn over too,
+// does not change the length of an error.
 void Mirror(PixelFrame& frame) {
   frame.ray.x() *= -1.0;
   frame.across.col(0) *= -1.0;
@@ -152,6 +153,8 @@ std::optional<RefinedPose> FindRival(const PoseProblem& problem, const RefinedPo
     if (!best || rival->InlierCount() > best->InlierCount()) best = rival;
   }
   if (!best) return std::nullopt;
+  // Told over all matches, because its inliers among those of the pose decide whether it is another
+  // one (CastsDoubt in judge.cc).
   InlierFlags inliers =
       FindInliers(problem, best->camera_from_map, options.max_reprojection_error_px);
   best->point_inliers = std::move(inliers.points);

@@ -1,6 +1,7 @@
 // The lens makes no difference: the same scene from the same place, seen with the same noise of
 // angle, gives the same answers through a VGA pinhole, fisheyes of 120, 150 and 180 degrees (the
-// scene anywhere from the middle to the rim) and a 4K camera: RANSAC, refinement and judgement.
+// scene anywhere from the middle to the rim), one of finer pixels, and a 4K camera: RANSAC,
+// refinement and judgement.
 #include <algorithm>
 #include <cmath>
 #include <ostream>
@@ -33,6 +34,9 @@ Lens FisheyeLens(double degrees) {
   return {"fisheye of " + std::to_string(static_cast<int>(degrees)) + " degrees",
           FisheyeOf(degrees, kFocalPx), degrees};
 }
+
+// Three times as many pixels a radian: thresholds are as many pixels more.
+Lens FineFisheye() { return {"fine fisheye of 150 degrees", FisheyeOf(150, 3.0 * kFocalPx), 150}; }
 
 Lens FourK() {
   const double focal_px = kFocalPx * std::hypot(3840, 2160) / 800;
@@ -117,7 +121,7 @@ TEST_P(AnyCamera, AnswersAsAPinholeDoes) {
 
 INSTANTIATE_TEST_SUITE_P(Lenses, AnyCamera,
                          ::testing::Values(FisheyeLens(120), FisheyeLens(150), FisheyeLens(180),
-                                           FourK()));
+                                           FineFisheye(), FourK()));
 
 }  // namespace
 }  // namespace maploc::testing

@@ -169,6 +169,14 @@ TEST(LocalizationConvert, RefusesEvidenceThatMakesNoSense) {
   ExpectRefused(response, "inlier_rms_pixels");
 
   response = LocalizedResponse();
+  response.set_confidence(std::numeric_limits<double>::quiet_NaN());
+  ExpectRefused(response, "confidence");
+
+  response = LocalizedResponse();
+  response.mutable_times()->set_total_ms(std::numeric_limits<double>::infinity());
+  ExpectRefused(response, "times.total_ms");
+
+  response = LocalizedResponse();
   response.set_focal_length_scale(0);
   ExpectRefused(response, "focal_length_scale");
 
@@ -237,6 +245,10 @@ TEST(SessionConvert, StartIsRefusedWithTheField) {
   request = ValidStart();
   (*request.mutable_labels())["light"] = std::string(129, 'v');
   ExpectStartRefused(request, "labels[light]: ");
+
+  request = ValidStart();
+  (*request.mutable_labels())[""] = "autumn";
+  ExpectStartRefused(request, "labels: one has an empty key");
 
   request = ValidStart();
   for (int i = 0; i < kMaxLabels; ++i) request.mutable_labels()->insert({std::to_string(i), {}});

@@ -163,6 +163,26 @@ TEST(BuildPoseProblemTest, SaysPixelsOfAVgaSizedImage) {
   EXPECT_NEAR(PixelScale(camera), std::hypot(3840, 2160) / 800, 1e-9);
 }
 
+// Six pixels off are three of VGA's, in a lens of twice as many a radian.
+TEST(BuildPoseProblemTest, SaysPixelsOfAVgaSizedImageToWideCamerasToo) {
+  const Camera camera = Camera::Create(CameraModel::kOpenCvFisheye, 3840, 2160,
+                                       {1000, 1000, 1920, 1080, 0.0, 0.0, 0.0, 0.0})
+                            .value();
+  ASSERT_TRUE(camera.IsWide());
+  ASSERT_DOUBLE_EQ(PixelScale(camera), 2.0);
+  Scene scene(testing::TestRandom(), camera);
+  for (Eigen::Vector2f& keypoint_px : scene.view.points.keypoints_px) keypoint_px.x() += 6.0f;
+  const Matches matches = MatchSegment(scene.view, scene.segment);
+  const PoseProblem problem =
+      BuildPoseProblem(matches, scene.view, scene.segment, std::nullopt).problem;
+  ASSERT_EQ(problem.points.size(), 20u);
+  for (const PointCorrespondence& point : problem.points) {
+    const Eigen::Vector3d& landmark = point.position_in_map;
+    const Eigen::Vector2d error = point.frame->across * landmark / point.frame->ray.dot(landmark);
+    EXPECT_NEAR(problem.focal_length_px * error.norm(), 3.0, 0.1);
+  }
+}
+
 TEST(BuildPoseProblemTest, TurnsGravityFromTheBodyIntoTheCamera) {
   const Scene scene(testing::TestRandom());
   const Gravity gravity{Eigen::Vector3d(0.6, 0.0, -0.8), 0.02};
