@@ -1,5 +1,7 @@
 #include "client/cli/recording_flags.h"
 
+#include "mapstore/base/usage.h"
+
 namespace maploc {
 
 void AddRecordingFlags(CLI::App& command, RecordingOptions& options) {
@@ -50,7 +52,7 @@ void AddMethodFlags(CLI::App& command, MethodFlags& flags) {
       .add_option("--max-error", flags.max_error_px,
                   "inlier threshold in pixels of the photo (default: the server's, by the photo's "
                   "size)")
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(NumberIn(0.1, 1000.0));
 }
 
 CLI::Validator LabelCheck() {

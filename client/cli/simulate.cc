@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include <unistd.h>
@@ -159,18 +161,25 @@ struct Outcomes {
   std::vector<SeasonResult> seasons;
 };
 
+// None where another version of the map, with other segments, was enabled during the run.
+std::optional<Strategy> StrategyBefore(const Outcomes& outcomes, const RemoteSegment& segment) {
+  const auto before = std::ranges::find(outcomes.before, segment.id, &RemoteSegment::id);
+  if (before == outcomes.before.end()) return std::nullopt;
+  return before->decision.strategy;
+}
+
 void PrintSegments(const World& world, const MapInfo& map, const Outcomes& outcomes,
                    std::ostream& out) {
   Table table({"segment", "around", "points", "lines (usable)", "point inliers", "line inliers",
                "strategy before", "after", "localized"});
-  for (std::size_t i = 0; i < outcomes.after.size(); ++i) {
-    const RemoteSegment& segment = outcomes.after[i];
+  for (const RemoteSegment& segment : outcomes.after) {
+    const std::optional<Strategy> before = StrategyBefore(outcomes, segment);
     table.AddRow({std::to_string(segment.id), Surroundings(world, map, segment),
                   std::to_string(segment.points),
                   std::to_string(segment.lines) + " (" + std::to_string(segment.usable_lines) + ")",
                   FormatNumber(segment.point_inlier_ratio, 2),
                   FormatNumber(segment.line_inlier_ratio, 2),
-                  std::string(StrategyName(outcomes.before[i].decision.strategy)),
+                  before ? std::string(StrategyName(*before)) : "-",
                   Colour(Ink::kBold, std::string(StrategyName(segment.decision.strategy))),
                   std::to_string(segment.localized) + "/" + std::to_string(segment.queries)});
   }
@@ -211,13 +220,13 @@ Json OutcomesJson(const World& world, const RemoteMap& map, const Outcomes& outc
     }
   }
   Json segments = Json::array();
-  for (std::size_t i = 0; i < outcomes.after.size(); ++i) {
-    const RemoteSegment& segment = outcomes.after[i];
+  for (const RemoteSegment& segment : outcomes.after) {
+    const std::optional<Strategy> before = StrategyBefore(outcomes, segment);
     segments.push_back({{"segment", segment.id},
                         {"around", Surroundings(world, map.info, segment)},
                         {"point_inlier_ratio", JsonOrNull(segment.point_inlier_ratio)},
                         {"line_inlier_ratio", JsonOrNull(segment.line_inlier_ratio)},
-                        {"strategy_before", StrategyName(outcomes.before[i].decision.strategy)},
+                        {"strategy_before", before ? Json(StrategyName(*before)) : Json()},
                         {"strategy_after", StrategyName(segment.decision.strategy)},
                         {"queries", segment.queries},
                         {"localized", segment.localized}});

@@ -1,5 +1,6 @@
 #include "mapstore/base/usage.h"
 
+#include <cmath>
 #include <vector>
 
 namespace maploc {
@@ -21,6 +22,18 @@ std::string WrongUsage(const CLI::App* app, const CLI::Error& error) {
   const std::string what =
       unknown.empty() || names_another ? error.what() : "unknown " + unknown.front();
   return command + ": " + what + "; see " + command + " --help\n";
+}
+
+CLI::Validator NumberIn(double least, double most) {
+  const CLI::Range range(least, most);
+  return CLI::Validator(
+      [range](std::string& text) -> std::string {
+        double number = 0.0;
+        if (CLI::detail::lexical_cast(text, number) && std::isnan(number))
+          return "NaN is no number";
+        return range(text);
+      },
+      range.get_description());
 }
 
 }  // namespace maploc

@@ -71,7 +71,7 @@ void AddOptions(CLI::App& app, ServerOptions& options) {
       ->check(CheckListen);
   app.add_option("--idle-timeout", options.idle_timeout_s,
                  "Seconds without a query after which a session ends; 0: never")
-      ->check(CLI::Range(0.0, 1e9));
+      ->check(NumberIn(0.0, 1e9));
   app.add_option("--workers", options.workers, "Localizations at the same time; 0: one a core")
       ->check(CLI::Range(0, 1024));
   app.add_option("--queue", options.queue, "Localizations that may wait; 0: eight a worker")
@@ -87,10 +87,10 @@ void AddOptions(CLI::App& app, ServerOptions& options) {
       ->check(CLI::Range(1, 10000));
   app.add_option("--max-error", options.localizer.max_reprojection_error_px,
                  "Inlier threshold, pixels of a VGA-sized image; larger images scale it")
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(NumberIn(0.1, 1000.0));
   app.add_option("--min-confidence", options.localizer.min_confidence,
                  "Least confidence of a LOCALIZED pose")
-      ->check(CLI::Range(0.501, 1.0));
+      ->check(NumberIn(0.501, 1.0));
   app.add_option("--seed", options.localizer.seed, "Of the sampling; same seed, same answers");
   app.add_option("--log-level", options.log_level, "debug, info, warn or error")
       ->check(CLI::IsMember({"debug", "info", "warn", "error"}));

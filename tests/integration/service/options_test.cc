@@ -65,6 +65,10 @@ TEST_F(OptionsTest, WrongUsageIsTwoAndUnusableFilesAreOne) {
   EXPECT_EQ(Parse({}).exit_code, 2);
   EXPECT_EQ(Parse({"--store", "s", "--nonsense"}).exit_code, 2);
   EXPECT_EQ(Parse({"--store", "s", "--workers", "many"}).exit_code, 2);
+  for (const char* flag : {"--idle-timeout", "--max-error", "--min-confidence"}) {
+    EXPECT_EQ(Parse({"--store", "s", flag, "nan"}).exit_code, 2) << flag;
+    EXPECT_EQ(Parse({"--store", "s", flag, "-1"}).exit_code, 2) << flag;
+  }
   EXPECT_EQ(Parse({"--store", "s", "--listen", "localhost"}).exit_code, 2);
   EXPECT_EQ(Parse({"--store", "s", "--tls-cert", "c"}).exit_code, 2);
   EXPECT_EQ(Parse({"--store", "s", "--tls-client-ca", "c"}).exit_code, 2);
