@@ -179,7 +179,7 @@ TEST_F(SessionServiceTest, AfterADeleteTheNewVersionAnswers) {
   ASSERT_TRUE(client_->Localize(QueryAt(3.0)).ok());
   const MapKey newer = ImportWorld(world_, store_.get());
   ASSERT_TRUE(store_->DeleteVersion(map_).ok());
-  const auto answer = client_->Localize(QueryAt(30.0));
+  const auto answer = client_->Localize(QueryAt(20.0));
   ASSERT_TRUE(answer.ok()) << answer.status().ToString();
   EXPECT_EQ(answer->outcome, Outcome::kLocalized);
   EXPECT_EQ(answer->map, newer);
