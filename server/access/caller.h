@@ -34,6 +34,8 @@ class Caller {
   explicit Caller(Grant grant) : grant_(std::move(grant)) {}
 
   bool is_restricted() const { return grant_.has_value(); }
+  // The robot that the token names; empty where nobody is asked, and for operators and viewers.
+  std::string robot() const { return grant_ ? grant_->robot : std::string(); }
   bool MayRead(const std::string& map) const;
   // Every role may.
   Status CheckRead(const std::string& map) const;

@@ -47,6 +47,19 @@ std::string CheckBytes(const std::string& bytes) {
   return good ? "" : "must be a size from 0 to 10^18 bytes";
 }
 
+void AddLogOptions(CLI::App& app, ServerOptions& options) {
+  app.add_option("--log-level", options.log_level, "debug, info, warn or error")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
+  app.add_option("--log-format", options.log_format, "text, or json: one object a line")
+      ->check(CLI::IsMember({"text", "json"}));
+  app.add_option("--log-requests", options.request_log.every,
+                 "Each Nth request has a line, and all that are refused or slow; 0: these alone")
+      ->check(CLI::Range(0, 1'000'000'000));
+  app.add_option("--slow-query-ms", options.request_log.slow_ms,
+                 "From here on a request is slow, and its line has the stages' times; 0: none is")
+      ->check(CLI::Range(0.0, 1e9));
+}
+
 void AddOptions(CLI::App& app, ServerOptions& options) {
   app.add_option("--store", options.store, "The store's file (SQLite); made where it is missing")
       ->required();
@@ -91,9 +104,9 @@ void AddOptions(CLI::App& app, ServerOptions& options) {
   app.add_option("--min-confidence", options.localizer.min_confidence,
                  "Least confidence of a LOCALIZED pose")
       ->check(CLI::Range(0.501, 1.0));
-  app.add_option("--seed", options.localizer.seed, "Of the sampling; same seed, same answers");
-  app.add_option("--log-level", options.log_level, "debug, info, warn or error")
-      ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
+  app.add_option("--seed", options.localizer.seed, "Of the sampling; same seed, same answers")
+      ->check(CLI::TypeValidator<std::uint64_t>());
+  AddLogOptions(app, options);
 }
 
 // "--idle-timeout" -> "MAPLOC_IDLE_TIMEOUT".
@@ -147,6 +160,7 @@ CommandLine ParseCommandLine(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     result.exit_code = Explain(app, error);
   }
+  result.options.request_log.json = result.options.log_format == "json";
   return result;
 }
 
