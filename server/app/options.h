@@ -32,11 +32,13 @@ struct ServerOptions {
 
 struct CommandLine {
   ServerOptions options;
-  std::optional<int> exit_code;  // set where there is nothing to serve: help, version, wrong usage
+  // Set where there is nothing to serve: help, version, --check-config, wrong usage.
+  std::optional<int> exit_code;
 };
 
-// Prints help to standard output and errors to standard error. Exit codes: 2 wrong usage, 1 a
-// configuration file that does not exist or cannot be used.
+// Prints help and what --check-config finds to standard output, errors to standard error. Exit
+// codes: 2 wrong usage, 1 a configuration file that does not exist or cannot be used, 1 any fault
+// that --check-config finds.
 CommandLine ParseCommandLine(int argc, const char* const* argv);
 
 }  // namespace maploc
