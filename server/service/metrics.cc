@@ -36,6 +36,27 @@ prometheus::Gauge& OneGauge(prometheus::Registry& registry, const char* name, co
   return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add({});
 }
 
+// Reasons are words of this program, but it is not told here how many.
+constexpr std::size_t kMaxReasonLabels = 100;
+
+// Values of a label: the first `most` that come. Thread-safe.
+class Values {
+ public:
+  explicit Values(std::size_t most) : most_(most) {}
+
+  std::string Of(const std::string& value) {
+    const std::lock_guard lock(mutex_);
+    if (known_.contains(value)) return value;
+    if (known_.size() >= most_) return kOtherMaps;
+    return *known_.insert(value).first;
+  }
+
+ private:
+  const std::size_t most_;
+  std::mutex mutex_;
+  std::set<std::string> known_;  // guarded by mutex_
+};
+
 prometheus::Counter& OneCounter(prometheus::Registry& registry, const char* name,
                                 const char* help) {
   return Counters(registry, name, help).Add({});
@@ -125,13 +146,6 @@ struct ServerMetrics::Impl {
         .Set(1);
   }
 
-  std::string MapLabel(const std::string& map) {
-    const std::lock_guard lock(mutex);
-    if (map_labels.contains(map)) return map;
-    if (map_labels.size() >= kMaxMapLabels) return kOtherMaps;
-    return *map_labels.insert(map).first;
-  }
-
   void ObserveStages(const StageTimes& times) {
     const auto stage = [this](const char* name, double milliseconds) {
       stage_seconds.Add({{"stage", name}}, kSeconds).Observe(milliseconds / 1000.0);
@@ -173,8 +187,9 @@ struct ServerMetrics::Impl {
       registry, "maploc_call_seconds", "From a call's arrival to its answer, refused ones apart");
   prometheus::Family<prometheus::Histogram>& wait_seconds = Histograms(
       registry, "maploc_wait_seconds", "How long calls that ran had waited for a thread");
-  prometheus::Family<prometheus::Counter>& refusals =
-      Counters(registry, "maploc_refusals_total", "Calls that ended with an error, by its reason");
+  prometheus::Family<prometheus::Counter>& refused =
+      Counters(registry, "maploc_refused_calls_total",
+               "Calls that were not answered, by the error's reason");
   prometheus::Family<prometheus::Counter>& answers =
       Counters(registry, "maploc_answers_total",
                "Queries that were worked on, by what became of "
@@ -199,8 +214,8 @@ struct ServerMetrics::Impl {
   StateMetrics state{registry};
 
   std::mutex state_mutex;  // guards `state`
-  std::mutex mutex;
-  std::set<std::string> map_labels;  // guarded by mutex
+  Values maps{kMaxMapLabels};
+  Values reasons{kMaxReasonLabels};
 };
 
 ServerMetrics::ServerMetrics() : impl_(std::make_unique<Impl>()) {}
@@ -211,7 +226,9 @@ void ServerMetrics::CountCall(const std::string& method, const Status& status, d
   const std::string code(StatusCodeName(status.code()));
   impl_->calls.Add({{"method", method}, {"code", code}}).Increment();
   if (!status.ok()) {
-    impl_->refusals.Add({{"method", method}, {"reason", status.reason()}}).Increment();
+    impl_->refused
+        .Add({{"method", method}, {"code", code}, {"reason", impl_->reasons.Of(status.reason())}})
+        .Increment();
   }
   if (status.code() == StatusCode::kResourceExhausted ||
       status.code() == StatusCode::kUnavailable) {
@@ -225,7 +242,7 @@ void ServerMetrics::ObserveWait(const std::string& method, double seconds) {
 }
 
 void ServerMetrics::CountAnswer(const Localization& answer) {
-  const Labels map = {{"map", impl_->MapLabel(answer.map.name)}};
+  const Labels map = {{"map", impl_->maps.Of(answer.map.name)}};
   Labels labels = map;
   labels["outcome"] = OutcomeName(answer.outcome);
   labels["strategy"] = StrategyName(answer.evidence.strategy);

@@ -31,7 +31,10 @@ TEST_F(MetricsTest, CountsCallsAndAnswers) {
   EXPECT_EQ(samples[R"(maploc_line_inlier_ratio_count{map="street"})"], 3);
   EXPECT_EQ(samples[R"(maploc_gravity_disagreement_radians_count{map="street"})"], 3);
   EXPECT_EQ(samples[R"(maploc_wait_seconds_count{method="Localize"})"], 4);
-  EXPECT_EQ(samples[R"(maploc_refusals_total{method="Localize",reason="MAP_NOT_FOUND"})"], 1);
+  EXPECT_EQ(
+      samples
+          [R"(maploc_refused_calls_total{code="NOT_FOUND",method="Localize",reason="MAP_NOT_FOUND"})"],
+      1);
   EXPECT_GT(samples["maploc_segment_cache_bytes"], 0);
   EXPECT_GT(samples["maploc_segment_cache_loads_total"], 0);
   EXPECT_GT(samples["maploc_segment_cache_hits_total"], 0);
