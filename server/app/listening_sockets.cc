@@ -121,6 +121,13 @@ bool IsEveryAddress(const std::string& host) { return host == "0.0.0.0" || host 
 
 }  // namespace
 
+Status CheckHost(const std::string& option, const std::string& address) {
+  const auto [host, port] = Split(address);
+  if (Resolve(host, port) != nullptr) return Status::Ok();
+  return InvalidArgument(option, "host '" + host + "' is unknown; give one of this machine's names",
+                         "UNKNOWN_HOST");
+}
+
 bool IsBeyondLoopback(const std::string& address) {
   const Addresses addresses = Resolve(Split(address).host, "0");
   for (const addrinfo* one = addresses.get(); one != nullptr; one = one->ai_next) {

@@ -21,6 +21,10 @@ struct ListeningSockets {
 // by a server that would share it, or where no address is this machine's. Thread-safe.
 Result<ListeningSockets> ListenOn(const std::string& address);
 
+// INVALID_ARGUMENT (UNKNOWN_HOST) with `option` in front where the host of HOST:PORT has no
+// address.
+Status CheckHost(const std::string& option, const std::string& address);
+
 // Whether others than this machine itself can reach HOST:PORT: an address of the host's is not a
 // loopback one. False where the host is unknown, on which nobody can listen either. Thread-safe.
 bool IsBeyondLoopback(const std::string& address);

@@ -14,6 +14,7 @@
 #include "server/app/server.h"
 #include "server/app/token_command.h"
 #include "server/app/transport_limits.h"
+#include "server/service/log_format.h"
 #include "server/sessions/caught.h"
 
 namespace {
@@ -54,6 +55,7 @@ int main(int argc, char** argv) {
     return *command_line.exit_code == 0 && !printed.ok() ? Fail(printed) : *command_line.exit_code;
   }
   spdlog::set_default_logger(spdlog::stderr_color_mt("maploc-server"));
+  if (command_line.options.request_log.json) spdlog::set_formatter(maploc::JsonMessages());
   spdlog::set_level(spdlog::level::from_str(command_line.options.log_level));
 
   // What gRPC has to say of a port in use, we say in one line; GRPC_VERBOSITY=debug brings it back.

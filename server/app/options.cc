@@ -9,6 +9,8 @@
 #include <CLI/CLI.hpp>
 
 #include "mapstore/base/usage.h"
+#include "server/app/check_config.h"
+#include "server/app/parse_all.h"
 
 namespace maploc {
 namespace {
@@ -23,6 +25,7 @@ constexpr char kFooter[] =
     "  maploc-server --store campus.maploc\n"
     "  maploc-server --store campus.maploc --listen 0.0.0.0:50051 --tls-cert server.crt --tls-key "
     "server.key\n"
+    "  maploc-server --config /etc/maploc/server.toml --check-config\n"
     "  maploc-server token create --store campus.maploc --role robot --robot rover-1\n"
     "\n"
     "Tokens: maploc-server token --help.\n";
@@ -45,6 +48,19 @@ std::string CheckBytes(const std::string& bytes) {
   constexpr std::size_t kMaxDigits = 18;
   const bool good = bytes.size() <= kMaxDigits && !bytes.starts_with('-');
   return good ? "" : "must be a size from 0 to 10^18 bytes";
+}
+
+void AddLogOptions(CLI::App& app, ServerOptions& options) {
+  app.add_option("--log-level", options.log_level, "debug, info, warn or error")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
+  app.add_option("--log-format", options.log_format, "text, or json: one object a line")
+      ->check(CLI::IsMember({"text", "json"}));
+  app.add_option("--log-requests", options.request_log.every,
+                 "Each Nth request has a line, and all that are refused or slow; 0: these alone")
+      ->check(CLI::Range(0, 1'000'000'000));
+  app.add_option("--slow-query-ms", options.request_log.slow_ms,
+                 "From here on a request is slow, and its line has the stages' times; 0: none is")
+      ->check(CLI::Range(0.0, 1e9));
 }
 
 void AddOptions(CLI::App& app, ServerOptions& options) {
@@ -91,9 +107,9 @@ void AddOptions(CLI::App& app, ServerOptions& options) {
   app.add_option("--min-confidence", options.localizer.min_confidence,
                  "Least confidence of a LOCALIZED pose")
       ->check(NumberIn(0.501, 1.0));
-  app.add_option("--seed", options.localizer.seed, "Of the sampling; same seed, same answers");
-  app.add_option("--log-level", options.log_level, "debug, info, warn or error")
-      ->check(CLI::IsMember({"debug", "info", "warn", "error"}));
+  app.add_option("--seed", options.localizer.seed, "Of the sampling; same seed, same answers")
+      ->check(CLI::TypeValidator<std::uint64_t>());
+  AddLogOptions(app, options);
 }
 
 // "--idle-timeout" -> "MAPLOC_IDLE_TIMEOUT".
@@ -107,17 +123,31 @@ std::string EnvironmentName(const std::string& flag) {
 
 // CLI11 lets the file beat the environment. So the environment's values become flags that stand
 // before the real ones: of several the last counts.
-std::vector<std::string> WithEnvironment(const CLI::App& app, int argc, const char* const* argv) {
+std::vector<std::string> Environment(const CLI::App& app) {
   std::vector<std::string> arguments;
   for (const CLI::Option* option : app.get_options()) {
     const std::string flag = "--" + option->get_single_name();
     const char* value = std::getenv(EnvironmentName(flag).c_str());
-    const bool is_question = option == app.get_help_ptr() || option == app.get_version_ptr();
+    const bool is_question = !option->get_configurable() && option != app.get_config_ptr();
     if (is_question || value == nullptr) continue;
     arguments.push_back(flag + "=" + value);
   }
-  arguments.insert(arguments.end(), argv + 1, argv + argc);
   return arguments;
+}
+
+// Questions, that neither file nor environment asks.
+struct Questions {
+  bool check_config = false;
+  bool json = false;
+};
+
+void AddQuestions(CLI::App& app, Questions& questions) {
+  CLI::Option* check = app.add_flag("--check-config", questions.check_config,
+                                    "Tell every option in force and every fault, and do not serve")
+                           ->configurable(false);
+  app.add_flag("--json", questions.json, "What --check-config tells as one JSON document")
+      ->configurable(false)
+      ->needs(check);
 }
 
 int Explain(const CLI::App& app, const CLI::ParseError& error) {
@@ -140,13 +170,23 @@ CommandLine ParseCommandLine(int argc, const char* const* argv) {
   AddOptions(app, result.options);
   app.set_config("--config", "", "Configuration file (TOML or INI)");
   app.allow_config_extras(CLI::config_extras_mode::error);
-  std::vector<std::string> arguments = WithEnvironment(app, argc, argv);
+  Questions questions;
+  AddQuestions(app, questions);
+  std::vector<std::string> arguments = Environment(app);
+  const std::vector<std::string> flags(argv + 1, argv + argc);
+  if (std::ranges::count(flags, "--check-config") > 0) {
+    ParsedOptions parsed = ParseAll(app, arguments, flags);
+    result.exit_code = CheckConfig(result.options, std::move(parsed), questions.json);
+    return result;
+  }
+  arguments.insert(arguments.end(), flags.begin(), flags.end());
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
   try {
     app.parse(arguments);
   } catch (const CLI::ParseError& error) {
     result.exit_code = Explain(app, error);
   }
+  result.options.request_log.json = result.options.log_format == "json";
   return result;
 }
 

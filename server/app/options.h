@@ -9,6 +9,7 @@
 
 #include "server/app/tls_material.h"
 #include "server/pipeline/localizer.h"
+#include "server/service/request_log.h"
 
 namespace maploc {
 
@@ -20,6 +21,8 @@ struct ServerOptions {
   std::string port_file;                   // empty: none
   std::string metrics_listen;              // HOST:PORT; empty: nobody can watch
   std::string log_level = "info";
+  std::string log_format = "text";  // or json
+  RequestLogOptions request_log;
   int workers = 0;                 // localizations at the same time; 0: one a core
   int queue = 0;                   // waiting ones; 0: eight a worker
   double idle_timeout_s = 1800.0;  // 0: never
@@ -29,11 +32,13 @@ struct ServerOptions {
 
 struct CommandLine {
   ServerOptions options;
-  std::optional<int> exit_code;  // set where there is nothing to serve: help, version, wrong usage
+  // Set where there is nothing to serve: help, version, --check-config, wrong usage.
+  std::optional<int> exit_code;
 };
 
-// Prints help to standard output and errors to standard error. Exit codes: 2 wrong usage, 1 a
-// configuration file that does not exist or cannot be used.
+// Prints help and what --check-config finds to standard output, errors to standard error. Exit
+// codes: 2 wrong usage, 1 a configuration file that does not exist or cannot be used, 1 any fault
+// that --check-config finds.
 CommandLine ParseCommandLine(int argc, const char* const* argv);
 
 }  // namespace maploc

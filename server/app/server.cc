@@ -7,11 +7,13 @@
 
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "mapstore/base/wait_limit.h"
 #include "mapstore/store/sqlite_store.h"
 #include "server/app/call_rate.h"
+#include "server/app/exposure.h"
 #include "server/app/listening_sockets.h"
 #include "server/app/memory_limit.h"
 #include "server/app/port_file.h"
@@ -26,6 +28,10 @@ constexpr std::chrono::milliseconds kTimeOfWatchers{200};
 int Workers(const ServerOptions& options) {
   if (options.workers > 0) return options.workers;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+int Queue(const ServerOptions& options) {
+  return options.queue > 0 ? options.queue : kWaitingAWorker * Workers(options);
 }
 
 std::int64_t CacheBytes(const ServerOptions& options) {
@@ -60,14 +66,6 @@ Status ListenerLost(const std::string& address) {
                     " any more, so the server has ended; start it again");
 }
 
-Status Exposed(const std::string& listen) {
-  return InvalidArgument("--listen",
-                         listen +
-                             " can be reached from other machines, and nothing is encrypted; give "
-                             "--tls-cert and --tls-key, listen on 127.0.0.1, or say --insecure",
-                         "INSECURE");
-}
-
 using Handover = grpc::experimental::ExternalConnectionAcceptor;
 
 void HandOver(Handover& handover, int fd) {
@@ -95,17 +93,16 @@ Server::Server(const ServerOptions& options, std::unique_ptr<MapStore> store,
       on_lost_(std::move(on_lost)),
       lock_(std::move(lock)),
       store_(std::move(store)),
+      request_log_(options_.request_log, std::make_shared<spdlog::sinks::stderr_sink_mt>()),
       credentials_(std::move(credentials)) {}
 
 Result<Server::Credentials> Server::OpenCredentials(const ServerOptions& options) {
   Credentials credentials;
-  const bool exposed = IsBeyondLoopback(options.listen) && !options.insecure;
-  if (exposed && options.tls.cert.empty()) return Exposed(options.listen);
+  MAPLOC_RETURN_IF_ERROR(CheckExposure(options));
   if (!options.tls.cert.empty()) {
     MAPLOC_ASSIGN_OR_RETURN(credentials.tls, TlsCredentials::Open(options.tls));
   }
-  MAPLOC_ASSIGN_OR_RETURN(credentials.tokens,
-                          TokenBook::Open(options.store, exposed && options.tls.client_ca.empty()));
+  MAPLOC_ASSIGN_OR_RETURN(credentials.tokens, TokenBook::Open(options.store, NeedsTokens(options)));
   if (credentials.tokens->IsAskedInVain()) {
     spdlog::warn(
         "callers are asked for a token, and there is none yet: make one with "
@@ -147,18 +144,19 @@ Status Server::StartDomain() {
   MapCacheOptions maps;
   maps.segment_bytes = CacheBytes(options_);
   maps.health = &health_;
+  maps.tell_maps = [this](const auto& usable) { health_board_.SetMaps(usable); };
   maps_ = std::make_unique<MapCache>(store_.get(), maps);
   ServiceContext context;
   context.store = store_.get();
   context.sessions = sessions_.get();
   context.maps = maps_.get();
   context.metrics = &metrics_;
+  context.requests = &request_log_;
   context.tokens = credentials_.tokens.get();
   context.localizer = options_.localizer;
   context.store_path = options_.store;
-  const int workers = Workers(options_);
-  const int queue = options_.queue > 0 ? options_.queue : kWaitingAWorker * workers;
-  services_ = std::make_unique<Services>(context, ServicesOptions{workers, queue});
+  services_ =
+      std::make_unique<Services>(context, ServicesOptions{Workers(options_), Queue(options_)});
   if (sessions_->open_sessions() > 0) {
     spdlog::info("{} open sessions go on", sessions_->open_sessions());
   }
@@ -189,11 +187,7 @@ Status Server::Listen() {
   acceptor_ = std::make_unique<Acceptor>(
       std::move(sockets), &connections_,
       AcceptorOptions{[handover](int fd) { HandOver(*handover, fd); }, [this] { LoseListener(); }});
-  // Asked for by name, or for the server as a whole; TellHealth turns all that are known.
-  for (const std::string& name : Services::Names()) {
-    grpc_server_->GetHealthCheckService()->SetServingStatus(name, true);
-  }
-  TellHealth();
+  health_board_.Open(grpc_server_->GetHealthCheckService());
   spdlog::info("serving {} on port {} ({}) with {} workers", options_.store, port_,
                credentials_.tls != nullptr ? "TLS" : "plain text", Workers(options_));
   return Status::Ok();
@@ -219,10 +213,18 @@ ServerState Server::State() {
     const std::lock_guard lock(mutex_);
     serving = grpc_server_ != nullptr && stage_ == Stage::kServing;
   }
-  return {.healthy = serving && health_.good(),
-          .open_sessions = sessions_->open_sessions(),
-          .unsaved_observations = sessions_->unsaved_observations(),
-          .localizations = services_->localizations()};
+  ServerState state;
+  state.healthy = serving && health_.good();
+  state.open_sessions = sessions_->open_sessions();
+  state.unsaved_observations = sessions_->unsaved_observations();
+  state.store_lag_s = sessions_->unsaved_age_s();
+  state.lost_observations = sessions_->lost_observations();
+  state.localizations = services_->localizations();
+  state.localizations_limit = static_cast<std::size_t>(Workers(options_) + Queue(options_));
+  state.cache = maps_->segment_state();
+  state.lost_log_lines = request_log_.lost_lines();
+  if (credentials_.tls) state.certificate_end_unix_s = credentials_.tls->certificate_end_unix_s();
+  return state;
 }
 
 void Server::LoseListener() {
@@ -231,12 +233,6 @@ void Server::LoseListener() {
     listener_lost_ = true;
   }
   if (on_lost_) on_lost_();
-}
-
-void Server::TellHealth() {
-  const std::lock_guard lock(mutex_);
-  if (grpc_server_ == nullptr || stage_ != Stage::kServing) return;
-  grpc_server_->GetHealthCheckService()->SetServingStatus(health_.good());
 }
 
 Status Server::Shutdown() {
@@ -250,7 +246,7 @@ Status Server::Shutdown() {
   }
   const auto begin = std::chrono::steady_clock::now();
   if (grpc_server_ != nullptr) {
-    grpc_server_->GetHealthCheckService()->SetServingStatus(false);
+    health_board_.Close();
     if (!services_->Drain(begin + kDrainTime)) spdlog::warn("some requests are cut off unfinished");
     acceptor_.reset();
     // Nothing of ours runs any more; what is left are watchers of the health, who are to hear it.

@@ -20,6 +20,7 @@
 #include "server/access/token_book.h"
 #include "server/app/acceptor.h"
 #include "server/app/connections.h"
+#include "server/app/health_board.h"
 #include "server/app/memory_return.h"
 #include "server/app/metrics_listener.h"
 #include "server/app/options.h"
@@ -83,17 +84,16 @@ class Server {
   Status WriteOut();
   bool IsStopped();
   void LoseListener();
-  // Tells the watchers of gRPC's health what the threads report, until the end has begun.
-  void TellHealth();
-
   const ServerOptions options_;
   const std::function<void()> on_lost_;
   int port_ = 0;
   const MemoryReturn memory_return_;
   std::optional<ServeLock> lock_;  // first, so that it is let go last; none: the store is read-only
   std::unique_ptr<MapStore> store_;
-  Health health_{[this] { TellHealth(); }};
+  HealthBoard health_board_;
+  Health health_{[this] { health_board_.SetHealthy(health_.good()); }};
   ServerMetrics metrics_;
+  RequestLog request_log_;
   std::unique_ptr<SessionManager> sessions_;
   std::unique_ptr<MapCache> maps_;
   const Credentials credentials_;

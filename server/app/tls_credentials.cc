@@ -6,11 +6,12 @@
 
 namespace maploc {
 
-TlsCredentials::TlsCredentials(TlsFiles files) : files_(std::move(files)) {}
+TlsCredentials::TlsCredentials(TlsFiles files, std::int64_t certificate_end_unix_s)
+    : files_(std::move(files)), certificate_end_unix_s_(certificate_end_unix_s) {}
 
 Result<std::unique_ptr<TlsCredentials>> TlsCredentials::Open(const TlsFiles& files) {
-  MAPLOC_RETURN_IF_ERROR(ReadTlsMaterial(files).status());
-  return std::unique_ptr<TlsCredentials>(new TlsCredentials(files));
+  MAPLOC_ASSIGN_OR_RETURN(const TlsMaterial material, ReadTlsMaterial(files));
+  return std::unique_ptr<TlsCredentials>(new TlsCredentials(files, material.end_unix_s));
 }
 
 grpc_server_credentials* TlsCredentials::New() {
@@ -38,6 +39,7 @@ std::optional<TlsMaterial> TlsCredentials::Changed() {
                  material.status().ToString());
     return std::nullopt;
   }
+  certificate_end_unix_s_ = material->end_unix_s;
   if (!first) spdlog::info("new connections get the new certificate in {}", files_.cert);
   return *std::move(material);
 }

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -25,11 +27,13 @@ class TlsCredentials {
   // gets no connection. The caller releases it. REQUIRES: this object outlives the last connection
   // that is accepted with it.
   grpc_server_credentials* New();
+  // Until when the certificate in use is valid, Unix time.
+  std::int64_t certificate_end_unix_s() const { return certificate_end_unix_s_; }
 
  private:
   using States = std::array<std::optional<FileState>, 3>;
 
-  explicit TlsCredentials(TlsFiles files);
+  TlsCredentials(TlsFiles files, std::int64_t certificate_end_unix_s);
   static grpc_ssl_certificate_config_reload_status Fetch(
       void* credentials, grpc_ssl_server_certificate_config** config);
   // What is new since the last call; nullopt: nothing that fits. New files that do not (a renewal
@@ -37,6 +41,7 @@ class TlsCredentials {
   std::optional<TlsMaterial> Changed();
 
   const TlsFiles files_;
+  std::atomic<std::int64_t> certificate_end_unix_s_;
   std::mutex mutex_;
   std::optional<States> seen_;
 };

@@ -1,7 +1,10 @@
 #include "server/app/tls_material.h"
 
+#include <ctime>
 #include <memory>
+#include <utility>
 
+#include <openssl/asn1.h>
 #include <openssl/bio.h>
 #include <openssl/err.h>
 #include <openssl/evp.h>
@@ -74,24 +77,58 @@ Status CheckDates(const std::string& path, const X509& certificate) {
   return Status::Ok();
 }
 
+std::int64_t EndOf(const X509& certificate) {
+  std::tm utc{};
+  ASN1_TIME_to_tm(X509_get0_notAfter(&certificate), &utc);
+  return timegm(&utc);
+}
+
+struct Checked {
+  TlsMaterial material;
+  std::vector<Status> faults;  // none: the material can be used
+
+  void Add(const Status& status) {
+    if (!status.ok()) faults.push_back(status);
+  }
+  std::string Take(Result<std::string> pem) {
+    Add(pem.status());
+    return pem.ok() ? *std::move(pem) : "";
+  }
+};
+
+// REQUIRES: both were read.
+Status CheckPair(const TlsFiles& files, const X509& certificate, const std::string& key_pem) {
+  if (X509_check_private_key(&certificate, PrivateKey(key_pem).get()) == 1) return Status::Ok();
+  ERR_clear_error();
+  return Refuse(files.key, "TLS_KEY_MISMATCH",
+                "is not the key of the certificate " + files.cert +
+                    "; give the two files that were made together");
+}
+
+Checked Check(const TlsFiles& files) {
+  Checked checked;
+  TlsMaterial& material = checked.material;
+  material.cert_chain_pem = checked.Take(ReadCertificates(files.cert));
+  material.key_pem = checked.Take(ReadKey(files.key));
+  if (!files.client_ca.empty()) {
+    material.client_ca_pem = checked.Take(ReadCertificates(files.client_ca));
+  }
+  if (material.cert_chain_pem.empty()) return checked;
+  const Certificate certificate = FirstCertificate(material.cert_chain_pem);
+  if (!material.key_pem.empty()) checked.Add(CheckPair(files, *certificate, material.key_pem));
+  checked.Add(CheckDates(files.cert, *certificate));
+  material.end_unix_s = EndOf(*certificate);
+  return checked;
+}
+
 }  // namespace
 
 Result<TlsMaterial> ReadTlsMaterial(const TlsFiles& files) {
-  TlsMaterial material;
-  MAPLOC_ASSIGN_OR_RETURN(material.cert_chain_pem, ReadCertificates(files.cert));
-  MAPLOC_ASSIGN_OR_RETURN(material.key_pem, ReadKey(files.key));
-  if (!files.client_ca.empty()) {
-    MAPLOC_ASSIGN_OR_RETURN(material.client_ca_pem, ReadCertificates(files.client_ca));
-  }
-  const Certificate certificate = FirstCertificate(material.cert_chain_pem);
-  if (X509_check_private_key(certificate.get(), PrivateKey(material.key_pem).get()) != 1) {
-    ERR_clear_error();
-    return Refuse(files.key, "TLS_KEY_MISMATCH",
-                  "is not the key of the certificate " + files.cert +
-                      "; give the two files that were made together");
-  }
-  MAPLOC_RETURN_IF_ERROR(CheckDates(files.cert, *certificate));
-  return material;
+  Checked checked = Check(files);
+  if (!checked.faults.empty()) return checked.faults.front();
+  return std::move(checked.material);
 }
+
+std::vector<Status> FindTlsFaults(const TlsFiles& files) { return Check(files).faults; }
 
 }  // namespace maploc

@@ -2,7 +2,9 @@
 // so that a wrong file is refused by its name and not by a handshake that nobody understands.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "mapstore/base/status.h"
 
@@ -19,6 +21,7 @@ struct TlsMaterial {
   std::string cert_chain_pem;
   std::string key_pem;
   std::string client_ca_pem;
+  std::int64_t end_unix_s = 0;  // until when the certificate is valid
 };
 
 // INVALID_ARGUMENT with the file, the cause and the cure: TLS_FILE_UNREADABLE (1 MiB at most);
@@ -26,5 +29,7 @@ struct TlsMaterial {
 // TLS_CERTIFICATE_EXPIRED (also one that is not valid yet). No message holds what a file holds.
 // Thread-safe.
 Result<TlsMaterial> ReadTlsMaterial(const TlsFiles& files);
+// Every fault for which ReadTlsMaterial refuses the files, not only the first.
+std::vector<Status> FindTlsFaults(const TlsFiles& files);
 
 }  // namespace maploc

@@ -21,6 +21,7 @@ Status Discard(MapStore& store, const SessionId& id) {
 Status HandleEndSession(const ServiceContext& context, const Call& call,
                         const v1::EndSessionRequest& request, v1::EndSessionResponse* response) {
   MAPLOC_ASSIGN_OR_RETURN(const SessionId id, SessionIdFromProto(request));
+  call.facts->session = id;
   if (call.caller.is_restricted()) {
     MAPLOC_ASSIGN_OR_RETURN(const Session session, context.store->GetSession(id));
     MAPLOC_RETURN_IF_ERROR(call.caller.CheckEnd(session));

@@ -7,6 +7,8 @@ Status HandleGetSegment(const ServiceContext& context, const Call& call,
                         const v1::GetSegmentRequest& request, v1::GetSegmentResponse* response) {
   MAPLOC_RETURN_IF_ERROR(call.caller.CheckRead(request.map()));
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*context.store, request.map()));
+  call.facts->map = map.info.key.name;
+  call.facts->version = map.info.key.version;
   const Result<SegmentSummary> segment =
       context.store->GetSegment(map.info.key, request.segment_id());
   if (!segment.ok() && segment.status().code() == StatusCode::kNotFound) {

@@ -5,8 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include <spdlog/spdlog.h>
-
 #include "mapstore/base/without_path.h"
 
 namespace maploc {
@@ -38,9 +36,6 @@ std::optional<int> RetryDelayMs(const Status& status) {
 grpc::Status ToGrpc(const Status& status, const std::string& store_path,
                     grpc::CallbackServerContext* context) {
   if (status.ok()) return grpc::Status::OK;
-  if (status.code() == StatusCode::kInternal || status.code() == StatusCode::kDataLoss) {
-    spdlog::error("a call has failed: {}", status.ToString());
-  }
   context->AddTrailingMetadata(kReasonMetadata, status.reason());
   if (const std::optional<int> delay_ms = RetryDelayMs(status)) {
     context->AddTrailingMetadata(kRetryDelayMetadata, std::to_string(*delay_ms));

@@ -20,8 +20,7 @@ inline constexpr char kRetryDelayMetadata[] = "grpc-retry-pushback-ms";
 // refused with a time has changed and counted nothing.
 std::optional<int> RetryDelayMs(const Status& status);
 
-// Adds the metadata to `context`. The server's own accidents (INTERNAL, DATA_LOSS) are logged, and
-// nobody is told where its store lies.
+// Adds the metadata to `context`. Nobody is told where the store lies.
 grpc::Status ToGrpc(const Status& status, const std::string& store_path,
                     grpc::CallbackServerContext* context);
 

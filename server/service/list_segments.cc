@@ -8,6 +8,8 @@ Status HandleListSegments(const ServiceContext& context, const Call& call,
                           v1::ListSegmentsResponse* response) {
   MAPLOC_RETURN_IF_ERROR(call.caller.CheckRead(request.map()));
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*context.store, request.map()));
+  call.facts->map = map.info.key.name;
+  call.facts->version = map.info.key.version;
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments,
                           context.store->ListSegments(map.info.key));
   for (const SegmentSummary& segment : segments) {

@@ -43,6 +43,24 @@ Result<Localization> LocalizeIn(const ServiceContext& context, const Call& call,
   return Localize(query, *map, context.localizer, call.deadline, call.cancelled);
 }
 
+void TellQuery(const Query& query, RequestFacts& facts) {
+  facts.request_id = query.request_id;
+  facts.session = query.session;
+  facts.map = query.map;
+}
+
+void TellSession(const Session& session, RequestFacts& facts) {
+  facts.robot = session.robot;
+  facts.map = session.map.name;
+  facts.version = session.map.version;
+}
+
+void TellAnswer(const Localization& answer, RequestFacts& facts) {
+  facts.version = answer.map.version;
+  facts.outcome = answer.outcome;
+  facts.times = answer.times;
+}
+
 }  // namespace
 
 Status HandleLocalize(const ServiceContext& context, const Call& call,
@@ -51,6 +69,7 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   // Maps in memory would answer on for a store that is gone, and statistics would go nowhere.
   MAPLOC_RETURN_IF_ERROR(context.store->CheckIdentity());
   MAPLOC_ASSIGN_OR_RETURN(const Query query, QueryFromProto(request));
+  TellQuery(query, *call.facts);
   const double convert_ms = MillisecondsSince(start, *context.clock);
   // The lease keeps the session open until the observation is recorded.
   std::optional<SessionManager::Lease> lease;
@@ -58,6 +77,7 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
     MAPLOC_ASSIGN_OR_RETURN(SessionManager::Lease entered, context.sessions->Enter(query.session));
     lease.emplace(std::move(entered));
     MAPLOC_RETURN_IF_ERROR(call.caller.CheckLocalizeIn(lease->session()));
+    TellSession(lease->session(), *call.facts);
     MAPLOC_RETURN_IF_ERROR(CheckMap(query, lease->session()));
   } else {
     MAPLOC_RETURN_IF_ERROR(call.caller.CheckLocalize(query.map));
@@ -69,6 +89,7 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   answer.times.convert_ms = convert_ms;
   answer.times.retrieval_ms += load_ms;
   answer.times.total_ms = MillisecondsSince(start, *context.clock);
+  TellAnswer(answer, *call.facts);
   context.metrics->CountAnswer(answer);
   if (lease) MAPLOC_RETURN_IF_ERROR(lease->Record(Observe(answer, *context.clock)));
   LocalizationToProto(query, answer, request.include_matches(), response);

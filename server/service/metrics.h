@@ -3,11 +3,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "mapstore/base/status.h"
 #include "mapstore/model/localization.h"
+#include "server/sessions/segment_cache.h"
 
 namespace maploc {
 
@@ -20,7 +23,13 @@ struct ServerState {
   bool healthy = true;
   std::size_t open_sessions = 0;
   std::size_t unsaved_observations = 0;  // answered, not yet in the store
+  double store_lag_s = 0.0;              // the age of the oldest of them
+  std::size_t lost_observations = 0;     // since the start; answered, and never in the store
   std::size_t localizations = 0;         // that run or wait
+  std::size_t localizations_limit = 0;   // beyond it they are refused
+  SegmentCacheState cache;
+  std::size_t lost_log_lines = 0;                      // since the start
+  std::optional<std::int64_t> certificate_end_unix_s;  // none: no TLS
 };
 
 class ServerMetrics {
@@ -31,7 +40,9 @@ class ServerMetrics {
   ServerMetrics& operator=(const ServerMetrics&) = delete;
 
   // A call that was answered or refused. `method`: "Localize".
-  void CountCall(const std::string& method, StatusCode code, double seconds);
+  void CountCall(const std::string& method, const Status& status, double seconds);
+  // How long an admitted call waited for a thread.
+  void ObserveWait(const std::string& method, double seconds);
   // A query that was worked on, whatever became of it.
   void CountAnswer(const Localization& answer);
 

@@ -11,6 +11,7 @@
 #include "server/access/token_book.h"
 #include "server/pipeline/localizer.h"
 #include "server/service/metrics.h"
+#include "server/service/request_log.h"
 #include "server/sessions/map_cache.h"
 #include "server/sessions/session_manager.h"
 
@@ -22,6 +23,7 @@ struct ServiceContext {
   SessionManager* sessions = nullptr;
   MapCache* maps = nullptr;
   ServerMetrics* metrics = nullptr;
+  RequestLog* requests = nullptr;
   TokenBook* tokens = nullptr;
   const Clock* clock = &SystemClock();
   LocalizerOptions localizer;
@@ -33,6 +35,7 @@ struct Call {
   Deadline deadline = kNoDeadline;
   const std::atomic<bool>* cancelled = nullptr;  // set when the client has gone; may be null
   Caller caller;                                 // what it may do, each handler asks
+  RequestFacts* facts = nullptr;  // the handler tells them as soon as it knows them; never null
 };
 
 }  // namespace maploc

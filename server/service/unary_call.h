@@ -14,6 +14,7 @@
 #include "mapstore/base/wait_limit.h"
 #include "server/service/grpc_status.h"
 #include "server/service/service_context.h"
+#include "server/service/traceparent.h"
 #include "server/service/worker_pool.h"
 #include "server/sessions/caught.h"
 
@@ -37,12 +38,13 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
                                          grpc::ByteBuffer* response) {
     auto* call = new UnaryCall(services, handler, context, request, response);
     // Before it waits: who is nobody takes no place in a queue.
-    Result<Caller> caller = services.tokens->Authenticate(Authorization(*context));
+    Result<Caller> caller = services.tokens->Authenticate(Header(*context, "authorization"));
     if (!caller.ok()) {
       call->FinishWith(caller.status());
       return call;
     }
     call->caller_ = *std::move(caller);
+    call->facts_.robot = call->caller_.robot();
     const WorkerPool::Admission admission = pool.Submit(
         call->Share(),
         {request->Length(), [call] { call->Run(); }, [call] { call->FinishWith(QueueFull()); }});
@@ -70,8 +72,9 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
     return name.substr(0, name.size() - std::string_view("Request").size());
   }
 
-  static std::optional<std::string_view> Authorization(const grpc::CallbackServerContext& context) {
-    const auto found = context.client_metadata().find("authorization");
+  static std::optional<std::string_view> Header(const grpc::CallbackServerContext& context,
+                                                const char* name) {
+    const auto found = context.client_metadata().find(name);
     if (found == context.client_metadata().end()) return std::nullopt;
     return std::string_view(found->second.data(), found->second.size());
   }
@@ -94,7 +97,11 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
     return ResourceExhausted("QUEUE_FULL", "too many requests wait; try again");
   }
 
-  void Run() { FinishWith(Handle()); }
+  void Run() {
+    wait_s_ = SecondsSinceArrival();
+    services_.metrics->ObserveWait(MethodName(), *wait_s_);
+    FinishWith(Handle());
+  }
 
   Status Handle() {
     if (cancelled_) return Status(StatusCode::kCancelled, "CANCELLED", "the client has gone");
@@ -118,7 +125,7 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
     const WaitLimit limit(deadline_ - kAnswerTime, &cancelled_);
     Response response;
     MAPLOC_RETURN_IF_ERROR(
-        handler_(services_, {deadline_, &cancelled_, caller_}, request, &response));
+        handler_(services_, {deadline_, &cancelled_, caller_, &facts_}, request, &response));
     bool owned = false;
     return grpc::SerializationTraits<Response>::Serialize(response, response_, &owned).ok()
                ? Status::Ok()
@@ -126,9 +133,15 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
   }
 
   void FinishWith(const Status& status) {
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - arrived_;
-    services_.metrics->CountCall(MethodName(), status.code(), taken.count());
+    const double taken_s = SecondsSinceArrival();
+    services_.metrics->CountCall(MethodName(), status, taken_s);
+    services_.requests->Write({MethodName(), status,
+                               ParseTraceparent(Header(*context_, "traceparent").value_or("")),
+                               facts_, 1e3 * wait_s_.value_or(taken_s), 1e3 * taken_s});
     Finish(ToGrpc(status, services_.store_path, context_));
+  }
+  double SecondsSinceArrival() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - arrived_).count();
   }
   void OnCancel() override { cancelled_ = true; }
   void OnDone() override { delete this; }
@@ -141,6 +154,8 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
   const std::chrono::steady_clock::time_point arrived_ = std::chrono::steady_clock::now();
   const Deadline deadline_;
   Caller caller_;
+  RequestFacts facts_;
+  std::optional<double> wait_s_;  // none: it never ran
   std::atomic<bool> cancelled_ = false;
 };
 

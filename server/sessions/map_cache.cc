@@ -80,9 +80,25 @@ Result<MapCache::Snapshot> MapCache::Enabled(const std::string& name) {
   return LoadEnabled(name);
 }
 
+Result<MapCache::Snapshot> MapCache::LoadEnabled(const std::string& name) {
+  Result<Snapshot> loaded = FindAndLoad(name);
+  NoteOpening(name, loaded.status());
+  return loaded;
+}
+
+// A store that is busy or a deadline that has passed says nothing about the map.
+void MapCache::NoteOpening(const std::string& name, const Status& status) {
+  const std::lock_guard lock(mutex_);
+  if (status.ok()) {
+    unusable_.erase(name);
+  } else if (status.code() == StatusCode::kDataLoss || status.code() == StatusCode::kInternal) {
+    if (names_.contains(name)) unusable_.insert(name);
+  }
+}
+
 // A version that is enabled while another one loads found no entry of the map to renew, so the
 // store is asked again once the entry is there.
-Result<MapCache::Snapshot> MapCache::LoadEnabled(const std::string& name) {
+Result<MapCache::Snapshot> MapCache::FindAndLoad(const std::string& name) {
   Snapshot snapshot;
   while (true) {
     const Result<MapSummary> map = store_->GetMap(name);
@@ -223,11 +239,36 @@ void MapCache::DropUnused() {
   });
 }
 
+Status MapCache::ReadNames() {
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<MapSummary> maps, store_->ListMaps());
+  const std::lock_guard lock(mutex_);
+  names_.clear();
+  for (const MapSummary& map : maps) names_.insert(map.info.key.name);
+  std::erase_if(unusable_, [this](const std::string& name) { return !names_.contains(name); });
+  return Status::Ok();
+}
+
+void MapCache::TellMaps() {
+  if (!options_.tell_maps) return;
+  std::map<std::string, bool> maps;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const std::string& name : names_) maps[name] = !unusable_.contains(name);
+  }
+  if (maps == told_) return;
+  told_ = std::move(maps);
+  options_.tell_maps(told_);
+}
+
 Status MapCache::LookAtChanges() {
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t counter, store_->ChangeCounter());
   const Status refreshed = Refresh();
-  if (counter != versions_seen_) LoadEnabledVersions();
+  if (counter != versions_seen_) {
+    MAPLOC_RETURN_IF_ERROR(ReadNames());
+    LoadEnabledVersions();
+  }
   versions_seen_ = counter;
+  TellMaps();
   DropUnused();
   return refreshed;
 }

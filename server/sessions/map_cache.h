@@ -10,10 +10,12 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -32,6 +34,9 @@ struct MapCacheOptions {
   std::chrono::milliseconds keep_unused{std::chrono::minutes(10)};
   std::int64_t segment_bytes = std::numeric_limits<std::int64_t>::max();  // budget of segments
   Health* health = nullptr;  // outlives the cache; null: nobody asks, failures are logged alone
+  // Called by the thread, at first and at changes: the store's maps, and of each whether it can be
+  // opened, as far as anybody has tried.
+  std::function<void(const std::map<std::string, bool>&)> tell_maps = {};
 };
 
 class MapCache {
@@ -55,6 +60,8 @@ class MapCache {
   // Sees at once what the store has committed; strategies alone, new versions come with the thread.
   Status Refresh();
 
+  SegmentCacheState segment_state() { return segments_.state(); }
+
  private:
   struct Entry {
     Snapshot snapshot;
@@ -72,6 +79,10 @@ class MapCache {
   void Drop(const MapKey& key);
   std::vector<MapKey> LoadedKeys() const;
   Result<Snapshot> LoadEnabled(const std::string& name);
+  Result<Snapshot> FindAndLoad(const std::string& name);
+  void NoteOpening(const std::string& name, const Status& status);
+  Status ReadNames();
+  void TellMaps();
   void SetEnabled(const MapKey& key);
   void LoadEnabledVersions();
   void DropUnused();
@@ -80,14 +91,17 @@ class MapCache {
   const MapCacheOptions options_;
   Health own_health_;
   SegmentCache segments_;
-  std::timed_mutex load_mutex_;      // one load at a time: two queries do not load one map twice
-  std::mutex refresh_mutex_;         // one refresh at a time
-  std::int64_t seen_counter_ = -1;   // guarded by refresh_mutex_
-  std::int64_t versions_seen_ = -1;  // the counter at which the thread loaded enabled versions
+  std::timed_mutex load_mutex_;       // one load at a time: two queries do not load one map twice
+  std::mutex refresh_mutex_;          // one refresh at a time
+  std::int64_t seen_counter_ = -1;    // guarded by refresh_mutex_
+  std::int64_t versions_seen_ = -1;   // the counter at which the thread loaded enabled versions
+  std::map<std::string, bool> told_;  // the thread's: what tell_maps has heard last
 
   mutable std::mutex mutex_;  // guards all below; never held over a call of the store
   std::map<MapKey, Entry> entries_;
   std::map<std::string, MapKey> enabled_;  // what Enabled serves; an entry is there for each
+  std::set<std::string> names_;            // of the store's maps, at the thread's last look
+  std::set<std::string> unusable_;         // of these
   std::condition_variable stop_;
   bool stopping_ = false;
   std::thread thread_;

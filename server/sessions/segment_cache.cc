@@ -75,6 +75,11 @@ std::shared_ptr<const SegmentSource> SegmentCache::Open(const MapInfo& version) 
   return std::make_shared<const Source>(this, sources_, version);
 }
 
+SegmentCacheState SegmentCache::state() {
+  const std::lock_guard lock(mutex_);
+  return {bytes_, budget_bytes_, hits_, reads_, evictions_};
+}
+
 // The source is in use, so it is not forgotten meanwhile.
 Result<SegmentCache::SharedSegment> SegmentCache::Get(const Source& source, SegmentId id,
                                                       const Interrupt& interrupt) {
@@ -83,7 +88,10 @@ Result<SegmentCache::SharedSegment> SegmentCache::Get(const Source& source, Segm
   std::vector<SharedSegment> freed;
   std::unique_lock lock(mutex_);
   freed = TakeBeyondBudget();  // what queries have let go since
-  if (SharedSegment kept = FindKept(key)) return kept;
+  if (SharedSegment kept = FindKept(key)) {
+    ++hits_;
+    return kept;
+  }
   std::shared_ptr<Load>& running = loads_[key];
   if (running == nullptr) {
     running = std::make_shared<Load>();
@@ -127,6 +135,7 @@ std::vector<SegmentCache::SharedSegment> SegmentCache::TakeBeyondBudget() {
     taken.push_back(std::move(kept->second.segment));
     kept_.erase(kept);
     use = uses_.erase(use);
+    ++evictions_;
   }
   return taken;
 }
@@ -182,6 +191,7 @@ void SegmentCache::Run() {
 
 // Kept, too, if those who waited have given up: others come.
 void SegmentCache::Finish(const Key& key, Load& load, Result<SharedSegment> result) {
+  ++reads_;
   if (result.ok() && open_.contains(key.first)) Keep(key, *result);
   load.result = std::move(result);
   load.done = true;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <list>
@@ -28,6 +29,15 @@ inline constexpr int kLoadingThreads = 4;
 // The reason where a version that is in use was deleted or replaced in the store.
 inline constexpr char kMapMoves[] = "MAP_MOVES";
 
+// What an operator watches of a cache.
+struct SegmentCacheState {
+  std::int64_t bytes = 0;  // of the segments in memory
+  std::int64_t budget_bytes = 0;
+  std::size_t hits = 0;       // since the start: segments that were in memory when needed
+  std::size_t loads = 0;      // that were read from the store
+  std::size_t evictions = 0;  // that left the memory for others
+};
+
 class SegmentCache {
  public:
   using SharedSegment = std::shared_ptr<const Segment>;
@@ -42,6 +52,8 @@ class SegmentCache {
   // with the source, which must not outlive the cache. Its errors are the store's, and UNAVAILABLE
   // (MAP_MOVES) where the store has the version no more.
   std::shared_ptr<const SegmentSource> Open(const MapInfo& version);
+
+  SegmentCacheState state();
 
  private:
   class Source;
@@ -78,6 +90,9 @@ class SegmentCache {
   std::map<Key, Kept> kept_;
   std::list<Key> uses_;  // of kept_, the latest first
   std::int64_t bytes_ = 0;
+  std::size_t hits_ = 0;
+  std::size_t reads_ = 0;
+  std::size_t evictions_ = 0;
   std::map<Key, std::shared_ptr<Load>> loads_;  // queued or running
   std::deque<Key> queue_;
   bool stopping_ = false;

@@ -224,6 +224,18 @@ std::size_t SessionManager::unsaved_observations() const {
   return unsaved_;
 }
 
+double SessionManager::unsaved_age_s() const {
+  const std::int64_t now_ns = clock_.NowUnixNanos();
+  std::int64_t oldest_ns = now_ns;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, open] : open_) {
+    if (!open->unsaved.empty()) {
+      oldest_ns = std::min(oldest_ns, open->unsaved.front().time_unix_ns);
+    }
+  }
+  return 1e-9 * static_cast<double>(now_ns - oldest_ns);
+}
+
 std::size_t SessionManager::open_sessions() const {
   const std::lock_guard lock(mutex_);
   return open_.size();

@@ -116,6 +116,10 @@ class SessionManager {
   std::size_t open_sessions() const;
   // Observations that are not in the store yet.
   std::size_t unsaved_observations() const;
+  // The age of the oldest of them; 0: there is none.
+  double unsaved_age_s() const;
+  // Observations that came too late, because another process had ended their session.
+  std::size_t lost_observations() const { return lost_; }
 
  private:
   using RequestKey = std::pair<std::string, std::string>;  // robot, request_id
@@ -171,6 +175,7 @@ class SessionManager {
   std::timed_mutex start_mutex_;  // one start at a time, so that a repeated one finds the first
   std::map<RequestKey, Remembered> remembered_;  // guarded by start_mutex_
   std::mutex flush_mutex_;                       // one flush at a time
+  std::atomic<std::size_t> lost_ = 0;
   std::atomic<bool> refused_ = false;  // a start or an end, by a store that may refuse all
 
   mutable std::mutex mutex_;  // guards all below; never held over a call of the store

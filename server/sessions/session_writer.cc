@@ -117,6 +117,7 @@ void SessionManager::DropEnded(const Batch& batch) {
   if (batch.open->ending) return;  // our own End was faster, and took these along
   spdlog::warn("session {} was ended by another process; {} observations came too late",
                batch.open->session.id, batch.observations.size());
+  lost_ += batch.observations.size();
   Drop(batch.open);
 }
 

@@ -1,61 +1,16 @@
 // What an operator's Prometheus sees of a server.
 #include <cerrno>
-#include <map>
-#include <sstream>
 
-#include <civetweb.h>
 #include <gmock/gmock.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "tests/integration/service/service_fixture.h"
+#include "tests/integration/service/metrics_fixture.h"
 #include "tests/support/wait_for.h"
 
 namespace maploc::testing {
 namespace {
-
-struct HttpAnswer {
-  int code = 0;
-  std::string body;
-};
-
-class MetricsTest : public ServiceTest {
- protected:
-  MetricsTest() {
-    options_.metrics_listen = "127.0.0.1:0";
-    RestartServer();
-  }
-
-  HttpAnswer Get(const std::string& path) const {
-    char error[256] = {};
-    mg_connection* connection =
-        mg_download("127.0.0.1", server_->metrics_port(), 0, error, sizeof error,
-                    "GET %s HTTP/1.0\r\nHost: localhost\r\n\r\n", path.c_str());
-    if (connection == nullptr) return {0, error};
-    HttpAnswer answer{mg_get_response_info(connection)->status_code, ""};
-    char buffer[4096];
-    for (int read; (read = mg_read(connection, buffer, sizeof buffer)) > 0;) {
-      answer.body.append(buffer, static_cast<std::size_t>(read));
-    }
-    mg_close_connection(connection);
-    return answer;
-  }
-
-  // The samples by name and labels, as they are written.
-  std::map<std::string, double> Scrape() const {
-    const HttpAnswer answer = Get("/metrics");
-    EXPECT_EQ(answer.code, 200) << answer.body;
-    std::map<std::string, double> samples;
-    std::istringstream lines(answer.body);
-    for (std::string line; std::getline(lines, line);) {
-      const std::size_t space = line.rfind(' ');
-      if (line.empty() || line[0] == '#' || space == std::string::npos) continue;
-      samples[line.substr(0, space)] = std::stod(line.substr(space + 1));
-    }
-    return samples;
-  }
-};
 
 TEST_F(MetricsTest, CountsCallsAndAnswers) {
   const SessionId session = StartSession();
@@ -73,6 +28,17 @@ TEST_F(MetricsTest, CountsCallsAndAnswers) {
             3);
   EXPECT_EQ(samples[R"(maploc_stage_seconds_count{stage="matching"})"], 3);
   EXPECT_EQ(samples[R"(maploc_point_inlier_ratio_count{map="street"})"], 3);
+  EXPECT_EQ(samples[R"(maploc_line_inlier_ratio_count{map="street"})"], 3);
+  EXPECT_EQ(samples[R"(maploc_gravity_disagreement_radians_count{map="street"})"], 3);
+  EXPECT_EQ(samples[R"(maploc_wait_seconds_count{method="Localize"})"], 4);
+  EXPECT_EQ(
+      samples
+          [R"(maploc_refused_calls_total{code="NOT_FOUND",method="Localize",reason="MAP_NOT_FOUND"})"],
+      1);
+  EXPECT_GT(samples["maploc_segment_cache_bytes"], 0);
+  EXPECT_GT(samples["maploc_segment_cache_loads_total"], 0);
+  EXPECT_GT(samples["maploc_segment_cache_hits_total"], 0);
+  EXPECT_GT(samples["maploc_localizations_limit"], 0);
   EXPECT_EQ(samples["maploc_open_sessions"], 1);
   EXPECT_EQ(samples["maploc_healthy"], 1);
   EXPECT_EQ(samples.count(R"(maploc_answers_total{map="no such map"})"), 0u);

@@ -22,6 +22,23 @@ TEST_F(FailingStoreTest, WhatTheStoreRefusesIsWrittenLater) {
   EXPECT_EQ(OnDisk(id), 2u);
 }
 
+TEST_F(FailingStoreTest, TheAgeOfWhatWaitsIsThatOfTheOldest) {
+  EXPECT_EQ(manager_->unsaved_age_s(), 0.0);
+  const SessionId first = StartSession();
+  const SessionId second = StartSession();
+  store_.failing = true;
+  for (const SessionId& id : {second, first}) {
+    Observation observation = Localized(0);
+    observation.time_unix_ns = clock_.NowUnixNanos();
+    ASSERT_TRUE(manager_->Enter(id)->Record(observation).ok());
+    clock_.Advance(20s);
+  }
+  EXPECT_NEAR(manager_->unsaved_age_s(), 40.0, 1e-6);
+  store_.failing = false;
+  ASSERT_TRUE(manager_->Flush().ok());
+  EXPECT_EQ(manager_->unsaved_age_s(), 0.0);
+}
+
 TEST_F(FailingStoreTest, ASessionThatTheStoreRefusesHoldsUpNobody) {
   const SessionId good = StartSession();
   const SessionId bad = StartSession();
@@ -32,6 +49,7 @@ TEST_F(FailingStoreTest, ASessionThatTheStoreRefusesHoldsUpNobody) {
   EXPECT_FALSE(manager_->Flush().ok());
   EXPECT_EQ(OnDisk(good), 1u);
   EXPECT_EQ(manager_->Enter(ended).status().reason(), "SESSION_CLOSED");
+  EXPECT_EQ(manager_->lost_observations(), 1u);
   store_.poisoned.clear();
   EXPECT_TRUE(manager_->Flush().ok());
   EXPECT_EQ(OnDisk(bad), 1u);

@@ -1,6 +1,8 @@
 #include "server/sessions/map_cache.h"
 
 #include <atomic>
+#include <map>
+#include <mutex>
 
 #include <gtest/gtest.h>
 
@@ -144,8 +146,10 @@ class ChangingStore final : public testing::ForwardingStore {
     return Now().LoadSegment(key, id);
   }
   Result<std::vector<SegmentPlace>> LoadPlaces(const MapKey& key) const override {
+    if (damaged) return Status(StatusCode::kDataLoss, "DAMAGED_PLACE", "a place is damaged");
     return Now().LoadPlaces(key);
   }
+  Result<std::vector<MapSummary>> ListMaps() const override { return Now().ListMaps(); }
   Result<std::int64_t> ChangeCounter() const override {
     if (throws) throw std::bad_alloc();
     return counter.load();
@@ -156,6 +160,7 @@ class ChangingStore final : public testing::ForwardingStore {
   }
   std::atomic<std::int64_t> counter = 0;
   std::atomic<bool> throws = false;
+  std::atomic<bool> damaged = false;
 
  private:
   MapStore& Now() const { return *now_.load(); }
@@ -194,6 +199,36 @@ TEST_F(MapCacheTest, ADeletedMapIsForgotten) {
   ASSERT_TRUE(cache.Refresh().ok());
   EXPECT_EQ(cache.Enabled("street").status().reason(), "MAP_NOT_FOUND");
   EXPECT_EQ(cache.Get(key_).status().reason(), "MAP_NOT_FOUND");
+}
+
+TEST_F(MapCacheTest, TellsWhichMapsThereAreAndWhichCannotBeOpened) {
+  using Maps = std::map<std::string, bool>;
+  ChangingStore store(store_.get());
+  const std::unique_ptr<MapStore> empty = NewInMemoryStore();
+  std::mutex mutex;
+  Maps told;
+  const auto is_told = [&](const Maps& maps) {
+    return testing::WaitFor([&] {
+      const std::lock_guard lock(mutex);
+      return told == maps;
+    });
+  };
+  MapCacheOptions options;
+  options.poll_interval = 1ms;
+  options.tell_maps = [&](const Maps& maps) {
+    const std::lock_guard lock(mutex);
+    told = maps;
+  };
+  MapCache cache(&store, options);
+  EXPECT_TRUE(is_told({{"street", true}}));
+  store.damaged = true;
+  EXPECT_EQ(cache.Enabled("street").status().reason(), "DAMAGED_PLACE");
+  EXPECT_TRUE(is_told({{"street", false}}));
+  store.damaged = false;
+  EXPECT_TRUE(cache.Enabled("street").ok());
+  EXPECT_TRUE(is_told({{"street", true}}));
+  store.PutInPlace(empty.get());
+  EXPECT_TRUE(is_told({}));
 }
 
 TEST_F(MapCacheTest, AnExceptionInTheThreadIsBadHealthUntilItIsOver) {

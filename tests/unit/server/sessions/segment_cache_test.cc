@@ -86,6 +86,20 @@ TEST_F(SegmentCacheTest, TheLeastRecentlyUsedGoFirstAndTheBudgetCountsBytes) {
   EXPECT_EQ(LoadsOf(*source, 2), 1);
 }
 
+TEST_F(SegmentCacheTest, ItsStateTellsWhatWasUsedLoadedAndEvicted) {
+  const std::int64_t budget = BytesOfThese({1, 2, 3}) - 1;
+  SegmentCache cache(&store_, budget);
+  const auto source = cache.Open(version());
+  for (const SegmentId id : {1, 2, 3}) LoadsOf(*source, id);  // 1 leaves
+  EXPECT_EQ(LoadsOf(*source, 3), 0);
+  const SegmentCacheState state = cache.state();
+  EXPECT_EQ(state.hits, 1u);
+  EXPECT_EQ(state.loads, 3u);
+  EXPECT_EQ(state.evictions, 1u);
+  EXPECT_EQ(state.budget_bytes, budget);
+  EXPECT_EQ(state.bytes, BytesOfThese({2, 3}));
+}
+
 TEST_F(SegmentCacheTest, OneByteLessIsOneSegmentLess) {
   SegmentCache cache(&store_, BytesOfThese({1, 2, 3}) - 1);
   const auto source = cache.Open(version());
