@@ -60,7 +60,7 @@ void AddLogOptions(CLI::App& app, ServerOptions& options) {
       ->check(CLI::Range(0, 1'000'000'000));
   app.add_option("--slow-query-ms", options.request_log.slow_ms,
                  "From here on a request is slow, and its line has the stages' times; 0: none is")
-      ->check(CLI::Range(0.0, 1e9));
+      ->check(NumberIn(0.0, 1e9));
 }
 
 void AddOptions(CLI::App& app, ServerOptions& options) {
