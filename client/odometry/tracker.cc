@@ -4,6 +4,17 @@
 #include <cmath>
 
 namespace maploc {
+namespace {
+
+// Answers that shall confirm each other may be a little further apart: here a right one that is
+// held back costs the robot's time, and wrong ones agree by chance alone.
+constexpr double kAgreeingFactor = 1.5;
+
+bool IsWithin(double max_sigmas, const Gap& gap) {
+  return gap.position_sigmas <= max_sigmas && gap.rotation_sigmas <= max_sigmas;
+}
+
+}  // namespace
 
 Result<Tracker> Tracker::Create(const TrackerOptions& options) {
   MAPLOC_RETURN_IF_ERROR(CheckDrift(options.drift));
@@ -23,7 +34,7 @@ Result<Decision> Tracker::Judge(const Rigid3& odom_from_base, const UncertainPos
   AdvanceAll(odom_from_base);
   Decision decision;
   if (track_) decision.gap = track_->GapTo(odom_from_base, answer);
-  if (decision.gap && Agrees(*decision.gap)) {
+  if (decision.gap && IsWithin(options_.max_sigmas, *decision.gap)) {
     track_->Take(odom_from_base, answer, options_.smooth);
     decision.verdict = Verdict::kTaken;
     candidates_.clear();
@@ -59,10 +70,6 @@ std::optional<UncertainPose> Tracker::MapFromOdom() const {
   return track_->MapFromOdom();
 }
 
-bool Tracker::Agrees(const Gap& gap) const {
-  return gap.position_sigmas <= options_.max_sigmas && gap.rotation_sigmas <= options_.max_sigmas;
-}
-
 void Tracker::AdvanceAll(const Rigid3& odom_from_base) {
   if (track_) track_->Advance(odom_from_base);
   for (Candidate& candidate : candidates_) candidate.track.Advance(odom_from_base);
@@ -72,7 +79,8 @@ std::vector<Tracker::Candidate>::iterator Tracker::AddToCandidates(const Rigid3&
                                                                    const UncertainPose& answer) {
   const auto found =
       std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
-        return Agrees(candidate.track.GapTo(odom_from_base, answer));
+        return IsWithin(kAgreeingFactor * options_.max_sigmas,
+                        candidate.track.GapTo(odom_from_base, answer));
       });
   if (found != candidates_.end()) {
     found->track.Take(odom_from_base, answer, options_.smooth);

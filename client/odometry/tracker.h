@@ -54,7 +54,6 @@ class Tracker {
 
   explicit Tracker(const TrackerOptions& options) : options_(options) {}
 
-  bool Agrees(const Gap& gap) const;
   void AdvanceAll(const Rigid3& odom_from_base);
   // The candidate that the answer now belongs to.
   std::vector<Candidate>::iterator AddToCandidates(const Rigid3& odom_from_base,

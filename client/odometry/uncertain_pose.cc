@@ -7,7 +7,7 @@
 namespace maploc {
 namespace {
 
-constexpr double kUnitTolerance = 1e-6;  // of the norm: normalized in single precision
+constexpr double kUnitTolerance = 1e-6;      // of the norm: normalized in single precision
 constexpr double kSymmetryTolerance = 1e-6;  // relative: numbers that were printed and read again
 constexpr double kRoundingVariance = 1e-12;  // relative: a singular covariance is one too
 

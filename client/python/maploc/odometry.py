@@ -17,6 +17,10 @@ from maploc.odometry_decision import Decision, Gap, Verdict
 from maploc.odometry_drift import OdometryDrift
 from maploc.odometry_track import Track
 
+# Answers that shall confirm each other may be a little further apart: here a right one that is held back costs the
+# robot's time, and wrong ones agree by chance alone.
+_AGREEING_FACTOR = 1.5
+
 
 @dataclass(frozen=True)
 class TrackerOptions:
@@ -68,7 +72,7 @@ class Tracker:
         _check(answer)
         self._advance(here)
         gap = self._track.gap_to(here, answer) if self._track else None
-        if self._track and gap and self._agrees(gap):
+        if self._track and gap and _is_within(self._options.max_sigmas, gap):
             self._track.take(here, answer, self._options.smooth)
             self._settle(self._track)
             return Decision(Verdict.TAKEN, gap, 0)
@@ -99,9 +103,6 @@ class Tracker:
         for candidate in self._candidates:
             candidate.track.advance(here)
 
-    def _agrees(self, gap: Gap) -> bool:
-        return max(gap.position_sigmas, gap.rotation_sigmas) <= self._options.max_sigmas
-
     def _settle(self, track: "Track") -> None:
         self._track = track
         self._candidates.clear()
@@ -109,7 +110,7 @@ class Tracker:
 
     def _add_to_candidates(self, here: Floats, answer: Pose) -> "_Candidate":
         for candidate in self._candidates:
-            if self._agrees(candidate.track.gap_to(here, answer)):
+            if _is_within(_AGREEING_FACTOR * self._options.max_sigmas, candidate.track.gap_to(here, answer)):
                 candidate.track.take(here, answer, self._options.smooth)
                 candidate.agreeing += 1
                 return candidate
@@ -131,6 +132,10 @@ class Tracker:
 class _Candidate:
     track: Track
     agreeing: int = 1
+
+
+def _is_within(max_sigmas: float, gap: Gap) -> bool:
+    return gap.position_sigmas <= max_sigmas and gap.rotation_sigmas <= max_sigmas
 
 
 def _check(answer: Pose) -> None:

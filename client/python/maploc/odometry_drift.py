@@ -21,7 +21,8 @@ class PoseSigmas:
     def variances(self) -> Floats:
         """In the order of a covariance."""
         flat, high, tilt, yaw = self.horizontal_meters, self.vertical_meters, self.tilt_radians, self.yaw_radians
-        return np.square(np.array([flat, flat, high, tilt, tilt, yaw]))
+        variances: Floats = np.square(np.array([flat, flat, high, tilt, tilt, yaw]))
+        return variances
 
 
 @dataclass(frozen=True)
