@@ -6,13 +6,13 @@
 namespace maploc {
 namespace {
 
-// Answers that shall confirm each other may be a little further apart: here a right one that is
-// held back costs the robot's time, and wrong ones agree by chance alone.
-constexpr double kAgreeingFactor = 1.5;
+// Answers of a new place may be a little further apart: here a right one that is left out costs the
+// robot's time. But they must agree at least twice as well as with the pose so far, else a few with
+// large errors on the same side would move it.
+constexpr double kNewPlaceFactor = 1.5;
+constexpr double kTimesBetter = 2.0;
 
-bool IsWithin(double max_sigmas, const Gap& gap) {
-  return gap.position_sigmas <= max_sigmas && gap.rotation_sigmas <= max_sigmas;
-}
+double Worst(const Gap& gap) { return std::max(gap.position_sigmas, gap.rotation_sigmas); }
 
 }  // namespace
 
@@ -34,14 +34,15 @@ Result<Decision> Tracker::Judge(const Rigid3& odom_from_base, const UncertainPos
   AdvanceAll(odom_from_base);
   Decision decision;
   if (track_) decision.gap = track_->GapTo(odom_from_base, answer);
-  if (decision.gap && IsWithin(options_.max_sigmas, *decision.gap)) {
+  if (decision.gap && Worst(*decision.gap) <= options_.max_sigmas) {
     track_->Take(odom_from_base, answer, options_.smooth);
     decision.verdict = Verdict::kTaken;
     candidates_.clear();
     held_in_a_row_ = 0;
     return decision;
   }
-  const auto candidate = AddToCandidates(odom_from_base, answer);
+  const auto candidate =
+      AddToCandidates(odom_from_base, answer, MostSigmasOfNewPlace(decision.gap));
   decision.agreeing = candidate->agreeing;
   if (candidate->agreeing < options_.agreeing_answers) {
     decision.verdict = HoldBack(decision.gap);
@@ -70,17 +71,22 @@ std::optional<UncertainPose> Tracker::MapFromOdom() const {
   return track_->MapFromOdom();
 }
 
+double Tracker::MostSigmasOfNewPlace(const std::optional<Gap>& gap) const {
+  if (!gap) return options_.max_sigmas;
+  return std::min(kNewPlaceFactor * options_.max_sigmas, Worst(*gap) / kTimesBetter);
+}
+
 void Tracker::AdvanceAll(const Rigid3& odom_from_base) {
   if (track_) track_->Advance(odom_from_base);
   for (Candidate& candidate : candidates_) candidate.track.Advance(odom_from_base);
 }
 
 std::vector<Tracker::Candidate>::iterator Tracker::AddToCandidates(const Rigid3& odom_from_base,
-                                                                   const UncertainPose& answer) {
+                                                                   const UncertainPose& answer,
+                                                                   double max_sigmas) {
   const auto found =
       std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
-        return IsWithin(kAgreeingFactor * options_.max_sigmas,
-                        candidate.track.GapTo(odom_from_base, answer));
+        return Worst(candidate.track.GapTo(odom_from_base, answer)) <= max_sigmas;
       });
   if (found != candidates_.end()) {
     found->track.Take(odom_from_base, answer, options_.smooth);

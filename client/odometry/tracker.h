@@ -57,7 +57,9 @@ class Tracker {
   void AdvanceAll(const Rigid3& odom_from_base);
   // The candidate that the answer now belongs to.
   std::vector<Candidate>::iterator AddToCandidates(const Rigid3& odom_from_base,
-                                                   const UncertainPose& answer);
+                                                   const UncertainPose& answer, double max_sigmas);
+  // How far a held back answer may be from a candidate to belong to it. `gap`: to the pose so far.
+  double MostSigmasOfNewPlace(const std::optional<Gap>& gap) const;
   Verdict HoldBack(const std::optional<Gap>& gap);
 
   TrackerOptions options_;

@@ -17,9 +17,10 @@ from maploc.odometry_decision import Decision, Gap, Verdict
 from maploc.odometry_drift import OdometryDrift
 from maploc.odometry_track import Track
 
-# Answers that shall confirm each other may be a little further apart: here a right one that is held back costs the
-# robot's time, and wrong ones agree by chance alone.
-_AGREEING_FACTOR = 1.5
+# Answers of a new place may be a little further apart: here a right one that is left out costs the robot's time. But they
+# must agree at least twice as well as with the pose so far, else a few with large errors on the same side would move it.
+_NEW_PLACE_FACTOR = 1.5
+_TIMES_BETTER = 2.0
 
 
 @dataclass(frozen=True)
@@ -72,11 +73,11 @@ class Tracker:
         _check(answer)
         self._advance(here)
         gap = self._track.gap_to(here, answer) if self._track else None
-        if self._track and gap and _is_within(self._options.max_sigmas, gap):
+        if self._track and gap and _worst(gap) <= self._options.max_sigmas:
             self._track.take(here, answer, self._options.smooth)
             self._settle(self._track)
             return Decision(Verdict.TAKEN, gap, 0)
-        candidate = self._add_to_candidates(here, answer)
+        candidate = self._add_to_candidates(here, answer, self._most_sigmas_of_new_place(gap))
         if candidate.agreeing < self._options.agreeing_answers:
             return Decision(self._hold_back(gap), gap, candidate.agreeing)
         self._settle(candidate.track)
@@ -108,9 +109,14 @@ class Tracker:
         self._candidates.clear()
         self.held_in_a_row = 0
 
-    def _add_to_candidates(self, here: Floats, answer: Pose) -> "_Candidate":
+    def _most_sigmas_of_new_place(self, gap: Gap | None) -> float:
+        """How far a held back answer may be from a candidate to belong to it."""
+        most = self._options.max_sigmas
+        return most if gap is None else min(_NEW_PLACE_FACTOR * most, _worst(gap) / _TIMES_BETTER)
+
+    def _add_to_candidates(self, here: Floats, answer: Pose, max_sigmas: float) -> "_Candidate":
         for candidate in self._candidates:
-            if _is_within(_AGREEING_FACTOR * self._options.max_sigmas, candidate.track.gap_to(here, answer)):
+            if _worst(candidate.track.gap_to(here, answer)) <= max_sigmas:
                 candidate.track.take(here, answer, self._options.smooth)
                 candidate.agreeing += 1
                 return candidate
@@ -134,8 +140,8 @@ class _Candidate:
     agreeing: int = 1
 
 
-def _is_within(max_sigmas: float, gap: Gap) -> bool:
-    return gap.position_sigmas <= max_sigmas and gap.rotation_sigmas <= max_sigmas
+def _worst(gap: Gap) -> float:
+    return max(gap.position_sigmas, gap.rotation_sigmas)
 
 
 def _check(answer: Pose) -> None:

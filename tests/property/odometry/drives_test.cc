@@ -33,7 +33,7 @@ struct Tally {
   long wrong_taken = 0;               // because odometry does not contradict them
   long contradicted_taken = 0;        // of these, by an independent reading: must not be
   double largest_wrong_step_m = 0.0;  // of the pose, by one of them
-  long relocated_by_wrong = 0;        // a wrong one was the last of those that agreed
+  long relocated_by_wrong = 0;        // the last of those that agreed was wrong
   long relocated_uncarried = 0;       // all of them right, in the midst of a drive
   double largest_uncarried_step_m = 0.0;
   double answers_squared = 0.0;
@@ -101,22 +101,27 @@ class Run {
     ++tally_.right;
     tally_.right_held += !decision.taken();
     if (right_since_carried_) ++*right_since_carried_;
-    if (decision.verdict != Verdict::kRelocated) return;
-    if (right_since_carried_) {
-      ++tally_.recoveries[*right_since_carried_];
-    } else if (before && !misled_) {
+    if (!decision.taken()) return;
+    if (misled_ || !before) {
+      Recover(moment);
+    } else if (decision.verdict == Verdict::kRelocated) {
       ++tally_.relocated_uncarried;
       tally_.largest_uncarried_step_m =
           std::max(tally_.largest_uncarried_step_m, StepFrom(*before, moment));
     }
-    right_since_carried_.reset();
+  }
+
+  void Recover(const Moment& moment) {
     misled_ = ErrorAt(moment) > 0.5;
+    if (misled_ || !right_since_carried_) return;
+    ++tally_.recoveries[*right_since_carried_];
+    right_since_carried_.reset();
   }
 
   void CountWrong(const Moment& moment, const Decision& decision,
                   const std::optional<UncertainPose>& before) {
     ++tally_.wrong;
-    tally_.relocated_by_wrong += decision.verdict == Verdict::kRelocated;
+    tally_.relocated_by_wrong += decision.verdict == Verdict::kRelocated && !misled_;
     if (decision.verdict != Verdict::kTaken) return;
     ++tally_.wrong_taken;
     tally_.contradicted_taken += Contradicted(moment.answer, *before);
@@ -179,7 +184,7 @@ void Print(const Tally& tally) {
             << "; wrong ones " << tally.wrong << ", taken " << tally.wrong_taken
             << " (contradicted " << tally.contradicted_taken << "), largest step by one "
             << tally.largest_wrong_step_m << " m\n"
-            << "relocated by a wrong one " << tally.relocated_by_wrong
+            << "relocated by answers of which a wrong one was the last " << tally.relocated_by_wrong
             << ", by right ones though not carried away " << tally.relocated_uncarried << " (by "
             << tally.largest_uncarried_step_m << " m at most); lost at the end "
             << tally.lost_at_end << "\n"

@@ -147,8 +147,13 @@ class Rules:
     def __init__(self, options):
         self.options, self.belief, self.others, self.held = options, None, [], 0
 
-    def fits(self, gap, factor=1.0):
-        return max(gap[2:]) <= factor * self.options["max_sigmas"]
+    def fits(self, gap):
+        return max(gap[2:]) <= self.options["max_sigmas"]
+
+    def confirms(self, gap, gap_to_belief):
+        if not gap_to_belief:
+            return self.fits(gap)
+        return max(gap[2:]) <= 1.5 * self.options["max_sigmas"] and max(gap[2:]) * 2 <= max(gap_to_belief[2:])
 
     def see(self, place):
         for belief in [self.belief, *[other for other, _ in self.others]]:
@@ -163,7 +168,7 @@ class Rules:
             self.others, self.held = [], 0
             return "TAKEN", gap, 0
         for entry in self.others:
-            if self.fits(entry[0].gap(place, answer, covariance), factor=1.5):
+            if self.confirms(entry[0].gap(place, answer, covariance), gap):
                 entry[0].take(place, answer, covariance)
                 entry[1] += 1
                 break
@@ -203,7 +208,7 @@ def uncertain(matrix, covariance):
 def drive(name, options, kinds):
     """`kinds`: one letter an image: g good, w wrong, r wrong in its rotation, n not localized, K the robot is carried
     away before it (then good), s 0.3 m off, which a long way without answers may explain, m 0.28 m off, which only
-    other answers of a new place agree with."""
+    other answers of a new place agree with, y 0.3 m off in another direction."""
     truth, place, rules, steps = pose([3, -2, 0.5], [0.1, -0.2, 2.5]), pose([10, 20, 0], [0, 0, -1.0]), Rules(options), []
     for kind in kinds:
         step = pose([RANDOM.uniform(0.05, 1.5), RANDOM.normal() * 0.05, 0], RANDOM.normal(size=3) * [0.02, 0.02, 0.3])
@@ -216,7 +221,8 @@ def drive(name, options, kinds):
         else:
             covariance = random_covariance(0.05)
             error = np.linalg.cholesky(covariance) @ RANDOM.normal(size=6) * 0.5
-            offset = {"w": [2.0, -1.5, 0.2, 0, 0, 0.3], "r": [0, 0, 0, 0, 0, 3.0], "s": [0.3, 0, 0, 0, 0, 0], "m": [0.28, 0, 0, 0, 0, 0]}
+            offset = {"w": [2.0, -1.5, 0.2, 0, 0, 0.3], "r": [0, 0, 0, 0, 0, 3.0], "s": [0.3, 0, 0, 0, 0, 0], "m": [0.28, 0, 0, 0, 0, 0],
+                      "y": [0.19, 0.24, 0, 0, 0, 0]}
             answer = disturbed(disturbed(truth, error), np.array(offset.get(kind, np.zeros(6))))
             entry["answer"] = uncertain(answer, covariance)
             verdict, gap, agreeing = rules.judge(place, answer, covariance)
@@ -247,6 +253,8 @@ def main():
         drive("a long way without answers", usual, "gggg" + "n" * 25 + "sgggg"),
         drive("wrong ones between right ones do not add up", usual, "gggwgwgwgg"),
         drive("a new place is agreed on with more tolerance", usual, "ggggmgKmmgggg"),
+        drive("errors on the same side are no new place", usual, "ggggsysgsyg"),
+        drive("a start asks for full agreement", usual, "gmmgmgg"),
         drive("without smoothing", {**usual, "smooth": False}, "gggggwggngrg"),
         drive("two that agree suffice", {**usual, "agreeing_answers": 2}, "wgggwwgKggg"),
         drive("nothing is held back", {**usual, "agreeing_answers": 1}, "gwgg"),
