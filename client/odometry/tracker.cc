@@ -7,10 +7,10 @@ namespace maploc {
 namespace {
 
 // Answers of a new place may be a little further apart: here a right one that is left out costs the
-// robot's time. But they must agree at least twice as well as with the pose so far, else a few with
+// robot's time. But they must agree three times as well as with the pose so far, else a few with
 // large errors on the same side would move it.
 constexpr double kNewPlaceFactor = 1.5;
-constexpr double kTimesBetter = 2.0;
+constexpr double kTimesBetter = 3.0;
 
 double Worst(const Gap& gap) { return std::max(gap.position_sigmas, gap.rotation_sigmas); }
 

@@ -18,9 +18,9 @@ from maploc.odometry_drift import OdometryDrift
 from maploc.odometry_track import Track
 
 # Answers of a new place may be a little further apart: here a right one that is left out costs the robot's time. But they
-# must agree at least twice as well as with the pose so far, else a few with large errors on the same side would move it.
+# must agree three times as well as with the pose so far, else a few with large errors on the same side would move it.
 _NEW_PLACE_FACTOR = 1.5
-_TIMES_BETTER = 2.0
+_TIMES_BETTER = 3.0
 
 
 @dataclass(frozen=True)

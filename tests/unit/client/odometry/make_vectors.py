@@ -153,7 +153,7 @@ class Rules:
     def confirms(self, gap, gap_to_belief):
         if not gap_to_belief:
             return self.fits(gap)
-        return max(gap[2:]) <= 1.5 * self.options["max_sigmas"] and max(gap[2:]) * 2 <= max(gap_to_belief[2:])
+        return max(gap[2:]) <= 1.5 * self.options["max_sigmas"] and max(gap[2:]) * 3 <= max(gap_to_belief[2:])
 
     def see(self, place):
         for belief in [self.belief, *[other for other, _ in self.others]]:
@@ -205,6 +205,15 @@ def uncertain(matrix, covariance):
     return {**numbers(matrix), "covariance": covariance.ravel().tolist()}
 
 
+OFFSETS = {
+    "w": [2.0, -1.5, 0.2, 0, 0, 0.3],
+    "r": [0, 0, 0, 0, 0, 3.0],
+    "s": [0.3, 0, 0, 0, 0, 0],
+    "m": [0.28, 0, 0, 0, 0, 0],
+    "y": [0.19, 0.24, 0, 0, 0, 0],
+}
+
+
 def drive(name, options, kinds):
     """`kinds`: one letter an image: g good, w wrong, r wrong in its rotation, n not localized, K the robot is carried
     away before it (then good), s 0.3 m off, which a long way without answers may explain, m 0.28 m off, which only
@@ -221,9 +230,7 @@ def drive(name, options, kinds):
         else:
             covariance = random_covariance(0.05)
             error = np.linalg.cholesky(covariance) @ RANDOM.normal(size=6) * 0.5
-            offset = {"w": [2.0, -1.5, 0.2, 0, 0, 0.3], "r": [0, 0, 0, 0, 0, 3.0], "s": [0.3, 0, 0, 0, 0, 0], "m": [0.28, 0, 0, 0, 0, 0],
-                      "y": [0.19, 0.24, 0, 0, 0, 0]}
-            answer = disturbed(disturbed(truth, error), np.array(offset.get(kind, np.zeros(6))))
+            answer = disturbed(disturbed(truth, error), np.array(OFFSETS.get(kind, [0] * 6)))
             entry["answer"] = uncertain(answer, covariance)
             verdict, gap, agreeing = rules.judge(place, answer, covariance)
             entry["verdict"], entry["gap"], entry["agreeing"] = verdict, gap, agreeing
@@ -253,7 +260,7 @@ def main():
         drive("a long way without answers", usual, "gggg" + "n" * 25 + "sgggg"),
         drive("wrong ones between right ones do not add up", usual, "gggwgwgwgg"),
         drive("a new place is agreed on with more tolerance", usual, "ggggmgKmmgggg"),
-        drive("errors on the same side are no new place", usual, "ggggsysgsyg"),
+        drive("errors on the same side are no new place", usual, "ggggsymgsymgg"),
         drive("a start asks for full agreement", usual, "gmmgmgg"),
         drive("without smoothing", {**usual, "smooth": False}, "gggggwggngrg"),
         drive("two that agree suffice", {**usual, "agreeing_answers": 2}, "wgggwwgKggg"),
