@@ -1,7 +1,7 @@
 """Where the robot is, between answers and in spite of wrong ones: answers are held against odometry.
 
-README.md says the rule; client/odometry is the same in C++, and both pass the same test vectors. Frames as REP-105: map,
-odom, base. Transforms are 4 x 4 target_from_source. Covariances are as Pose.covariance. The map must be metric.
+client/odometry says the rule; it is the same in C++, and both pass the same test vectors. Frames as REP-105: map, odom,
+base. Transforms are 4 x 4 target_from_source. Covariances are as Pose.covariance. The map must be metric.
 """
 
 import math
@@ -17,8 +17,9 @@ from maploc.odometry_decision import Decision, Gap, Verdict
 from maploc.odometry_drift import OdometryDrift
 from maploc.odometry_track import Track
 
-# Answers of a new place may be a little further apart: here a right one that is left out costs the robot's time. But they
-# must agree three times as well as with the pose so far, else a few with large errors on the same side would move it.
+# Answers of a new place may be a little further apart: here a right one that is left out costs the robot's time. But
+# they must agree three times as well as with the pose so far, else a few with large errors on the same side would move
+# it.
 _NEW_PLACE_FACTOR = 1.5
 _TIMES_BETTER = 3.0
 
