@@ -37,8 +37,7 @@ IMU_NANOS = 100_000_000  # an older sample says nothing of the image
 
 def message(kind: type[Any], fields: dict[str, Any]) -> Any:
     """A message of that kind."""
-    made = kind()
-    set_message_fields(made, fields)
+    set_message_fields(made := kind(), fields)
     return made
 
 
@@ -78,8 +77,8 @@ class LocalizerNode:
             base_from_imu = self._look_up(self._names["base_frame"], imu.header.frame_id, Time())
             sample = ros.gravity(imu, base_from_imu[:3, :3])
             self._gravity = ros.unix_nanos(imu.header.stamp), sample
-        except (maploc.MaplocError, TransformException):  # a bump; or tf has not begun
-            self._gravity = None
+        except (maploc.MaplocError, TransformException):
+            self._gravity = None  # a bump; or tf has not begun
 
     def on_image(self, image: Any) -> None:
         """Asks the server, and publishes the pose of the image's stamp and what became of the answer."""
@@ -94,15 +93,15 @@ class LocalizerNode:
         self._tell(*self._judge(image, nanos, odom_from_base, camera_from_base), nanos)
         pose, self._map_from_odom = self._tracker.map_from_base(odom_from_base), self._tracker.map_from_odom()
         if pose:
-            fields = ros.pose_with_covariance_stamped(pose, nanos, frame_id=self._names["map_frame"])
-            self._pose.publish(message(PoseWithCovarianceStamped, fields))
+            stamped = ros.pose_with_covariance_stamped(pose, nanos, frame_id=self._names["map_frame"])
+            self._pose.publish(message(PoseWithCovarianceStamped, stamped))
 
     def on_timer(self) -> None:
         """Broadcasts map to odom, ahead of the clock, so that it holds until the next time."""
         if self._map_from_odom:
             nanos = self._node.get_clock().now().nanoseconds + int(2e9 * TF_SECONDS)
-            frames = {"frame_id": self._names["map_frame"], "child_frame_id": self._names["odom_frame"]}
-            fields = ros.transform_stamped(self._map_from_odom, nanos, **frames)
+            frame, child = self._names["map_frame"], self._names["odom_frame"]
+            fields = ros.transform_stamped(self._map_from_odom, nanos, frame_id=frame, child_frame_id=child)
             self._tf.sendTransform(message(TransformStamped, fields))
 
     def _judge(self, image: Any, nanos: int, odom_from_base: Any, camera_from_base: Any) -> tuple[bytes, str]:

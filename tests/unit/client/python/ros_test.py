@@ -140,7 +140,8 @@ class SensorsTest(unittest.TestCase):
 
     def test_an_image_that_is_none_is_refused(self) -> None:
         image = self.image("mono8", np.zeros((2, 4), np.uint8), 0)
-        for changed, field in [({"encoding": "bayer_rggb8"}, "encoding"), ({"data": b"1234567"}, "data"), ({"step": 3}, "data")]:
+        bad = [({"encoding": "bayer_rggb8"}, "encoding"), ({"data": b"1234567"}, "data"), ({"step": 3}, "data")]
+        for changed, field in bad:
             with self.assertRaisesRegex(maploc.MaplocError, f"image.{field}"):
                 ros.pixels(message(**{**vars(image), **changed}))
 
