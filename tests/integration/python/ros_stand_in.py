@@ -31,8 +31,8 @@ class Message:
         object.__setattr__(self, name, value)
 
 
-def kind_of(name: str, **kinds: Any) -> Any:
-    """A kind of message. A list's element kind is told by `list_of`."""
+def kind_of(name: str, /, **kinds: Any) -> Any:
+    """A kind of message. ListOf is an array of messages."""
     return type(name, (Message,), {"kinds": kinds})
 
 
