@@ -38,6 +38,21 @@ TEST_F(TrackerTest, AContradictedAnswerIsHeldBackWithItsReason) {
   EXPECT_NEAR(tracker_.MapFromBase(At(1.5))->map_from_body.translation.y(), 0.0, 1e-12);
 }
 
+TEST_F(TrackerTest, EachVerdictTellsItsReason) {
+  EXPECT_EQ(AnswerAt(1.5)->Reason(), "taken: odometry agrees");
+  Rigid3 turned = At(2.0);
+  turned.rotation = Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitZ());
+  EXPECT_THAT(tracker_.Judge(At(2.0), {turned, kCovariance})->Reason(),
+              StartsWith("held back: odometry contradicts its rotation by 57.3 degrees ("));
+  for (const double x : {2.5, 3.0}) ASSERT_FALSE(AnswerAt(x, 4.0)->taken());
+  EXPECT_EQ(AnswerAt(3.5, 4.0)->Reason(),
+            "taken: enough answers agree on a place 4.00 m and 0.0 degrees away");
+  Tracker fresh = *Tracker::Create({.drift = {}, .agreeing_answers = 2});
+  const auto judge = [&fresh] { return fresh.Judge(At(0.0), {At(0.0), kCovariance})->Reason(); };
+  EXPECT_EQ(judge(), "held back: there is no pose yet; 1 on this place so far");
+  EXPECT_EQ(judge(), "taken: enough answers agree on a first place");
+}
+
 TEST_F(TrackerTest, TheWayOfARobotThatDrivesInCirclesIsKnown) {
   const double before = tracker_.MapFromBase(At(1.0))->covariance(0, 0);
   for (const double x : {3.0, 1.0}) ASSERT_TRUE(tracker_.Advance(At(x)).ok());

@@ -91,19 +91,27 @@ void ExpectStep(Tracker& tracker, const Json& step) {
              step.at("later_map_from_base"));
 }
 
-TEST(Vectors, AllDrives) {
-  std::ifstream file(MAPLOC_SOURCE_DIR "/tests/unit/client/odometry/vectors.json");
-  const Json drives = Json::parse(file);
-  ASSERT_FALSE(drives.empty());
-  for (const Json& drive : drives) {
-    Result<Tracker> tracker = Tracker::Create(OptionsOf(drive.at("options")));
-    ASSERT_TRUE(tracker.ok()) << tracker.status().ToString();
-    for (std::size_t i = 0; i < drive.at("steps").size(); ++i) {
-      SCOPED_TRACE(drive.at("name").get<std::string>() + ", step " + std::to_string(i));
-      ExpectStep(*tracker, drive.at("steps").at(i));
-    }
+void ExpectDrive(const TrackerOptions& options, const Json& drive) {
+  Result<Tracker> tracker = Tracker::Create(options);
+  ASSERT_TRUE(tracker.ok()) << tracker.status().ToString();
+  for (std::size_t i = 0; i < drive.at("steps").size(); ++i) {
+    SCOPED_TRACE(drive.at("name").get<std::string>() + ", step " + std::to_string(i));
+    ExpectStep(*tracker, drive.at("steps").at(i));
   }
 }
+
+Json Drives() {
+  std::ifstream file(MAPLOC_SOURCE_DIR "/tests/unit/client/odometry/vectors.json");
+  return Json::parse(file);
+}
+
+TEST(Vectors, AllDrives) {
+  const Json drives = Drives();
+  ASSERT_FALSE(drives.empty());
+  for (const Json& drive : drives) ExpectDrive(OptionsOf(drive.at("options")), drive);
+}
+
+TEST(Vectors, TheFirstDriveHasTheDefaults) { ExpectDrive({}, Drives().at(0)); }
 
 }  // namespace
 }  // namespace maploc

@@ -105,6 +105,19 @@ class TrackerTest(unittest.TestCase):
         assert pose is not None
         np.testing.assert_allclose(pose.position_in_map, [1.5, 0, 0], atol=1e-9)
 
+    def test_each_verdict_tells_its_reason(self) -> None:
+        self.assertEqual(self.answer_at(1.5).reason, "taken: odometry agrees")
+        turned = maploc.Pose(np.array([2.0, 0, 0]), np.array([0, 0, math.sin(0.5), math.cos(0.5)]), 1e-3 * np.eye(6))
+        reason = self.tracker.judge(self.at(2.0), turned).reason
+        self.assertTrue(reason.startswith("held back: odometry contradicts its rotation by 57.3 degrees ("), reason)
+        for meters in (2.5, 3.0):
+            self.assertFalse(self.answer_at(meters, off=4.0).taken)
+        reason = self.answer_at(3.5, off=4.0).reason
+        self.assertEqual(reason, "taken: enough answers agree on a place 4.00 m and 0.0 degrees away")
+        self.tracker = maploc.Tracker(maploc.TrackerOptions(agreeing_answers=2))
+        self.assertEqual(self.answer_at(0.0).reason, "held back: there is no pose yet; 1 on this place so far")
+        self.assertEqual(self.answer_at(0.0).reason, "taken: enough answers agree on a first place")
+
     def test_refused_images_leave_the_pose_and_widen_it(self) -> None:
         before = self.tracker.map_from_base(self.at(1.0))
         for meters in (2.0, 3.0):
