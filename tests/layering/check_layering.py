@@ -33,6 +33,7 @@ MAY_INCLUDE = {
     "server/service": ["server/access", "server/pipeline", "server/sessions", "proto/convert"],
     "server/app": ["server/service"],
     "client/api": ["proto/convert", "mapstore/model"],
+    "client/odometry": ["mapstore/model"],
     "client/robot": ["client/api", "mapstore/features", "mapstore/formats"],
     "client/cli": ["client/robot"],
 }

@@ -26,6 +26,10 @@ from maploc.client import Client, Session
 from maploc.errors import MaplocError
 from maploc.features import detect_lines, detect_points, has_lines
 from maploc.gravity import Gravity
+from maploc.odometry import Tracker, TrackerOptions
+from maploc.odometry_decision import Decision, Gap, Verdict
+from maploc.odometry_drift import OdometryDrift, PoseSigmas
+from maploc.odometry_track import map_from_odom, moved
 from maploc.photo import load_gray
 from maploc.query import DescriptorKind, Lines, Metric, Points, Prior, QueryOptions, Refinement, Strategy, View
 from maploc.view import make_view
@@ -34,20 +38,24 @@ __all__ = [
     "Camera",
     "CameraModel",
     "Client",
+    "Decision",
     "DescriptorKind",
     "Evidence",
     "FeatureCounts",
     "FeatureMatches",
     "FocalScale",
+    "Gap",
     "Gravity",
     "Lines",
     "Localization",
     "Map",
     "MaplocError",
     "Metric",
+    "OdometryDrift",
     "Outcome",
     "Points",
     "Pose",
+    "PoseSigmas",
     "Prior",
     "QueryOptions",
     "Refinement",
@@ -59,10 +67,15 @@ __all__ = [
     "StageTimes",
     "Strategy",
     "StrategySource",
+    "Tracker",
+    "TrackerOptions",
+    "Verdict",
     "View",
     "detect_lines",
     "detect_points",
     "has_lines",
     "load_gray",
     "make_view",
+    "map_from_odom",
+    "moved",
 ]
