@@ -33,6 +33,24 @@ prometheus::Gauge& OneGauge(prometheus::Registry& registry, const char* name, co
   return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add({});
 }
 
+// Values of a label: the first `most` that come. Thread-safe.
+class Values {
+ public:
+  explicit Values(std::size_t most) : most_(most) {}
+
+  std::string Of(const std::string& value) {
+    const std::lock_guard lock(mutex_);
+    if (known_.contains(value)) return value;
+    if (known_.size() >= most_) return kOther;
+    return *known_.insert(value).first;
+  }
+
+ private:
+  const std::size_t most_;
+  std::mutex mutex_;
+  std::set<std::string> known_;  // guarded by mutex_
+};
+
 }  // namespace
 
 struct ServerMetrics::Impl {
@@ -45,16 +63,12 @@ struct ServerMetrics::Impl {
         .Set(1);
   }
 
-  std::string MapLabel(const std::string& map) {
-    const std::lock_guard lock(mutex);
-    if (map_labels.contains(map)) return map;
-    if (map_labels.size() >= kMaxMapLabels) return kOtherMaps;
-    return *map_labels.insert(map).first;
-  }
-
   prometheus::Registry registry;
   prometheus::Family<prometheus::Counter>& calls =
       Counters(registry, "maploc_calls_total", "Calls that were answered or refused");
+  prometheus::Family<prometheus::Counter>& refused =
+      Counters(registry, "maploc_refused_calls_total",
+               "Calls that were not answered, by the error's reason");
   prometheus::Family<prometheus::Histogram>& call_seconds = Histograms(
       registry, "maploc_call_seconds", "From a call's arrival to its answer, refused ones apart");
   prometheus::Family<prometheus::Counter>& answers =
@@ -79,22 +93,28 @@ struct ServerMetrics::Impl {
   prometheus::Gauge& localizations =
       OneGauge(registry, "maploc_localizations", "Localizations that run or wait");
 
-  std::mutex mutex;
-  std::set<std::string> map_labels;  // guarded by mutex
+  Values maps{kMaxMapLabels};
+  Values reasons{kMaxReasonLabels};
 };
 
 ServerMetrics::ServerMetrics() : impl_(std::make_unique<Impl>()) {}
 
 ServerMetrics::~ServerMetrics() = default;
 
-void ServerMetrics::CountCall(const std::string& method, StatusCode code, double seconds) {
-  impl_->calls.Add({{"method", method}, {"code", std::string(StatusCodeName(code))}}).Increment();
+void ServerMetrics::CountCall(const std::string& method, const Status& status, double seconds) {
+  const StatusCode code = status.code();
+  const std::string code_name(StatusCodeName(code));
+  impl_->calls.Add({{"method", method}, {"code", code_name}}).Increment();
+  if (!status.ok()) {
+    impl_->refused.Add({{"code", code_name}, {"reason", impl_->reasons.Of(status.reason())}})
+        .Increment();
+  }
   if (code == StatusCode::kResourceExhausted || code == StatusCode::kUnavailable) return;
   impl_->call_seconds.Add({{"method", method}}, kSeconds).Observe(seconds);
 }
 
 void ServerMetrics::CountAnswer(const Localization& answer) {
-  const Labels map = {{"map", impl_->MapLabel(answer.map.name)}};
+  const Labels map = {{"map", impl_->maps.Of(answer.map.name)}};
   Labels labels = map;
   labels["outcome"] = OutcomeName(answer.outcome);
   labels["strategy"] = StrategyName(answer.evidence.strategy);

@@ -11,9 +11,10 @@
 
 namespace maploc {
 
-// The label of maps beyond the first kMaxMapLabels: the number of time series stays bounded.
-inline constexpr char kOtherMaps[] = "(other)";
+// The label of maps and reasons beyond the first so many: the number of time series stays bounded.
+inline constexpr char kOther[] = "(other)";
 inline constexpr std::size_t kMaxMapLabels = 200;
+inline constexpr std::size_t kMaxReasonLabels = 100;
 
 // Read when somebody scrapes.
 struct ServerState {
@@ -31,7 +32,7 @@ class ServerMetrics {
   ServerMetrics& operator=(const ServerMetrics&) = delete;
 
   // A call that was answered or refused. `method`: "Localize".
-  void CountCall(const std::string& method, StatusCode code, double seconds);
+  void CountCall(const std::string& method, const Status& status, double seconds);
   // A query that was worked on, whatever became of it.
   void CountAnswer(const Localization& answer);
 

@@ -120,7 +120,7 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
 
   void FinishWith(const Status& status) {
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - arrived_;
-    services_.metrics->CountCall(MethodName(), status.code(), taken.count());
+    services_.metrics->CountCall(MethodName(), status, taken.count());
     Finish(ToGrpc(status, services_.store_path, context_));
   }
   void OnCancel() override { cancelled_ = true; }
