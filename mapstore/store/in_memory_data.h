@@ -40,6 +40,8 @@ struct InMemorySession {
   SessionSummary summary;                            // once ended
 };
 
+// Idempotent by sequence and by request_id.
+void AddObservations(InMemorySession& session, std::span<const Observation> observations);
 std::vector<Observation> InOrder(const std::map<std::int64_t, Observation>& observations);
 SegmentSummary Summarize(const InMemorySegment& stored);
 // What `map` inherits from the version before it.

@@ -281,7 +281,7 @@ Result<std::vector<SessionId>> InMemoryStore::AppendGroup(
   for (const auto& [id, observations] : group) {
     InMemorySession& stored = sessions_.at(id);
     if (stored.session.end != SessionEnd::kOpen) continue;
-    for (const Observation& o : observations) stored.observations.try_emplace(o.sequence, o);
+    AddObservations(stored, observations);
   }
   return ended;
 }
