@@ -146,6 +146,11 @@ class SqliteMigrationTest : public SqliteStoreTest {
     EXPECT_EQ(Count("pragma_table_info('segment_features') WHERE name = 'covariances'"), 0);
     EXPECT_EQ(GiveMap(*store).version, 2);
     EXPECT_TRUE(store->Verify().ok()) << store->Verify().ToString();
+    // It is a store that can shrink.
+    EXPECT_EQ(Count("pragma_auto_vacuum WHERE auto_vacuum = 2"), 1);
+    ASSERT_TRUE(store->DeleteVersion(kYard).ok());
+    EXPECT_EQ(Count("pragma_freelist_count WHERE freelist_count > 0"), 0);
+    EXPECT_TRUE(store->Verify().ok()) << store->Verify().ToString();
   }
 
   const std::string fresh_path_ = folder_.File("fresh.db");
