@@ -289,7 +289,8 @@ Result<RemoteSegment> Client::GetSegment(const std::string& map, SegmentId id) c
 }
 
 Result<SessionId> Client::StartSession(const std::string& map, const std::string& robot,
-                                       const std::map<std::string, std::string>& labels) const {
+                                       const std::map<std::string, std::string>& labels,
+                                       std::int64_t map_version) const {
   MAPLOC_RETURN_IF_ERROR(CheckName("map", map));
   MAPLOC_RETURN_IF_ERROR(CheckName("robot", robot));
   for (const auto& [key, value] : labels) {
@@ -310,6 +311,7 @@ Result<SessionId> Client::StartSession(const std::string& map, const std::string
 
 Result<Localization> Client::Localize(const Query& query, bool include_matches) const {
   MAPLOC_RETURN_IF_ERROR(CheckName("map", query.map));
+  request.set_map_version(map_version);
   MAPLOC_RETURN_IF_ERROR(CheckName("session_id", query.session));
   MAPLOC_RETURN_IF_ERROR(CheckName("request_id", query.request_id));
   v1::LocalizeRequest request;

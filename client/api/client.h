@@ -79,9 +79,12 @@ class Client {
   Result<std::vector<RemoteSegment>> ListSegments(const std::string& map) const;
   Result<RemoteSegment> GetSegment(const std::string& map, SegmentId id) const;
 
+  // `map_version` not 0: FAILED_PRECONDITION (MAP_VERSION_MISMATCH) where robots get another one.
   Result<SessionId> StartSession(const std::string& map, const std::string& robot,
-                                 const std::map<std::string, std::string>& labels) const;
-  // With `include_matches` the answer holds matches and inliers.
+                                 const std::map<std::string, std::string>& labels,
+                                 std::int64_t map_version = 0) const;
+  // With `include_matches` the answer holds matches and inliers. Within a session a query counts
+  // once, however often it is sent under its request_id; one without gets an id for this call.
   Result<Localization> Localize(const Query& query, bool include_matches = false) const;
   Result<SessionSummary> EndSession(const SessionId& session) const;
   // Ends it so that none of its queries counts in the statistics.

@@ -5,6 +5,7 @@
 
 #include "mapstore/base/wait_limit.h"
 #include "mapstore/store/validation.h"
+#include "server/sessions/map_version.h"
 #include "server/sessions/open_session.h"
 #include "server/sessions/session_id.h"
 
@@ -134,6 +135,8 @@ Result<Session> SessionManager::Start(const NewSession& request) {
   }
   ForgetOldRequests();
   MAPLOC_ASSIGN_OR_RETURN(std::optional<Session> repeated, FindRepeated(request));
+  const MapKey& map = repeated ? repeated->map : request.map;
+  MAPLOC_RETURN_IF_ERROR(RequireMapVersion(map, request.required_version));
   if (repeated) return *std::move(repeated);
   MAPLOC_RETURN_IF_ERROR(MakeRoom(request.robot));
   return StartNew(request);

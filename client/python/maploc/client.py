@@ -102,7 +102,9 @@ class Client:
         view = make_view(photo, camera, self.map(map_name), camera_from_body=camera_from_body)
         return self.localize(map_name, view, gravity=gravity, prior=prior, options=options)
 
-    def session(self, map_name: str, robot: str, labels: Mapping[str, str] | None = None) -> "Session":
+    def session(
+        self, map_name: str, robot: str, labels: Mapping[str, str] | None = None, *, map_version: int = 0
+    ) -> "Session":
         """Starts a session, in which queries count in the statistics of the map's segments.
 
             with client.session("yard", "cart-7", {"season": "autumn"}) as session:
@@ -111,12 +113,16 @@ class Client:
         Args:
             map_name: the map; the session stays on the version that is enabled now.
             robot: the robot's name, at most 128 bytes.
+            map_version: the version that the map must have: FAILED_PRECONDITION (MAP_VERSION_MISMATCH) where robots
+                get another one. 0: whichever is enabled.
             labels: free, at most 32.
         """
         map_info = self.map(map_name)
         with wire.sent_text():
-            request = StartSessionRequest(map=map_name, robot=robot, labels=labels, request_id=uuid.uuid4().hex)
-        started = self._channel.call(self._localization.StartSession, request, safe=True)
+            request = StartSessionRequest(
+                map=map_name, robot=robot, labels=labels, request_id=uuid.uuid4().hex, map_version=map_version
+            )
+        started = self._channel.call(self._localization.StartSession, request)
         return Session(self, started.session_id, map_info)
 
     def end_session(self, session_id: str, *, discard: bool = False) -> SessionSummary:

@@ -201,6 +201,7 @@ v1::StartSessionRequest ValidStart() {
   request.set_map("yard");
   request.set_robot("rover-1");
   request.set_request_id("start-1");
+  request.set_map_version(3);
   (*request.mutable_labels())["season"] = "autumn";
   return request;
 }
@@ -211,6 +212,7 @@ TEST(SessionConvert, StartIsRead) {
   EXPECT_EQ(got->map, "yard");
   EXPECT_EQ(got->robot, "rover-1");
   EXPECT_EQ(got->request_id, "start-1");
+  EXPECT_EQ(got->map_version, 3);
   EXPECT_EQ(got->labels.at("season"), "autumn");
 }
 
@@ -237,6 +239,10 @@ TEST(SessionConvert, StartIsRefusedWithTheField) {
   request = ValidStart();
   (*request.mutable_labels())["light"] = std::string(129, 'v');
   ExpectStartRefused(request, "labels[light]: ");
+
+  request = ValidStart();
+  request.set_map_version(-1);
+  ExpectStartRefused(request, "map_version: ");
 
   request = ValidStart();
   for (int i = 0; i < kMaxLabels; ++i) request.mutable_labels()->insert({std::to_string(i), {}});
