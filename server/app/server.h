@@ -95,6 +95,7 @@ class Server {
   Health health_{[this] { TellHealth(); }};
   ServerMetrics metrics_;
   std::unique_ptr<SessionManager> sessions_;
+  AnsweredQueries answered_;
   std::unique_ptr<MapCache> maps_;
   const Credentials credentials_;
   std::unique_ptr<Services> services_;

@@ -11,6 +11,7 @@
 #include "server/access/token_book.h"
 #include "server/pipeline/localizer.h"
 #include "server/service/metrics.h"
+#include "server/sessions/answered_queries.h"
 #include "server/sessions/map_cache.h"
 #include "server/sessions/session_manager.h"
 
@@ -20,6 +21,7 @@ namespace maploc {
 struct ServiceContext {
   MapStore* store = nullptr;
   SessionManager* sessions = nullptr;
+  AnsweredQueries* answered = nullptr;
   MapCache* maps = nullptr;
   ServerMetrics* metrics = nullptr;
   TokenBook* tokens = nullptr;
