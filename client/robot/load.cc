@@ -79,6 +79,7 @@ class LoadRobot {
     Query query = queries_[static_cast<std::size_t>(i + index_) % queries_.size()];
     query.map = map_;
     query.session = session_;
+    query.request_id.clear();  // it is asked more than once
     const Result<Localization> answer = impatient_.Localize(query);
     ++report_.requests;
     ++asked_;
