@@ -38,6 +38,7 @@ constexpr int kConnectMs = 5000;
 constexpr std::chrono::milliseconds kFirstBackoff(100);  // doubles an attempt
 // A server that asks for a longer wait is not waited for: its refusal is returned.
 constexpr std::chrono::milliseconds kLongestWait(2000);
+constexpr std::chrono::milliseconds kCallRateWait(1000);
 
 std::shared_ptr<grpc::ChannelCredentials> Transport(const ClientCredentials& credentials) {
   if (credentials.ca_pem.empty()) return grpc::InsecureChannelCredentials();
@@ -96,6 +97,13 @@ std::string Explain(const grpc::Status& status, const std::string& server, bool 
   return text;
 }
 
+// A connection with too many calls is refused where gRPC sends no trailing metadata: then the text
+// alone says so.
+bool IsCallRate(const grpc::Status& status) {
+  return status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED &&
+         status.error_message().ends_with(" (CALL_RATE)");
+}
+
 Status StatusFromGrpc(const grpc::Status& status, const grpc::ClientContext& context,
                       const std::string& server, const ClientOptions& options) {
   if (status.ok()) return Status::Ok();
@@ -107,7 +115,8 @@ Status StatusFromGrpc(const grpc::Status& status, const grpc::ClientContext& con
     std::string message = WithoutSuffix(status.error_message(), " (" + name + ")");
     return Status(code, std::move(name), std::move(message));
   }
-  return Status(code, std::string(StatusCodeName(code)),
+  const std::string_view name = IsCallRate(status) ? "CALL_RATE" : StatusCodeName(code);
+  return Status(code, std::string(name),
                 Explain(status, server, !options.credentials.ca_pem.empty(), options.call_timeout));
 }
 
@@ -142,8 +151,6 @@ std::chrono::milliseconds WithJitter(std::chrono::milliseconds wait) {
   return wait + wait * (entropy() % 256) / 1024;
 }
 
-enum class Repeat { kNever, kSafe };
-
 // Callers index their features with what came over the wire.
 Status CheckMatches(const Localization& answer, const Query& query) {
   const auto outside = [](const std::vector<FeatureMatch>& matches, std::size_t features) {
@@ -170,17 +177,17 @@ struct Client::Impl {
         maps(v1::MapService::NewStub(channel)) {}
 
   // How long to wait before a failed call is made again; nullopt: it is not.
-  std::optional<std::chrono::milliseconds> Wait(const grpc::Status& status,
-                                                const grpc::ClientContext& context, Repeat repeat,
-                                                std::chrono::milliseconds backoff) const {
+  static std::optional<std::chrono::milliseconds> Wait(const grpc::Status& status,
+                                                       const grpc::ClientContext& context,
+                                                       std::chrono::milliseconds backoff) {
     if (status.ok()) return std::nullopt;
     if (const auto pushback = Pushback(context)) {
       const auto wait = std::max(*pushback, backoff);
-      return *pushback <= kLongestWait ? std::optional(wait) : std::nullopt;
+      return *pushback <= kLongestWait ? std::optional(WithJitter(wait)) : std::nullopt;
     }
-    const bool again =
-        repeat == Repeat::kSafe && status.error_code() == grpc::StatusCode::UNAVAILABLE;
-    return again ? std::optional(backoff) : std::nullopt;
+    if (IsCallRate(status)) return WithJitter(std::max(kCallRateWait, backoff));
+    const bool again = status.error_code() == grpc::StatusCode::UNAVAILABLE;
+    return again ? std::optional(WithJitter(backoff)) : std::nullopt;
   }
 
   // Whoever reads it on its way has it.
@@ -193,25 +200,27 @@ struct Client::Impl {
         "TOKEN_IN_CLEAR", "the token is not sent to " + server + " without encryption; give --ca");
   }
 
-  // Calls `method` with a deadline an attempt, and again where that is safe.
+  // Calls `method`, again where that may help, until the call's time is over. REQUIRES: the call
+  // is safe to repeat.
   template <typename Stub, typename Request, typename Response>
   Status Call(Stub& stub,
               grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
-              const Request& request, Response* response, Repeat repeat) const {
+              const Request& request, Response* response) const {
     MAPLOC_RETURN_IF_ERROR(CheckToken());
+    const auto deadline = std::chrono::system_clock::now() + options.call_timeout;
     auto backoff = kFirstBackoff;
     for (int attempt = 1;; ++attempt) {
       grpc::ClientContext context;
-      context.set_deadline(std::chrono::system_clock::now() + options.call_timeout);
+      context.set_deadline(deadline);
       if (const std::string& token = options.credentials.token; !token.empty()) {
         context.AddMetadata("authorization", "Bearer " + token);
       }
       const grpc::Status status = (stub.*method)(&context, request, response);
-      const auto wait = Wait(status, context, repeat, backoff);
-      if (!wait || attempt >= options.max_attempts) {
-        return StatusFromGrpc(status, context, server, options);
-      }
-      std::this_thread::sleep_for(WithJitter(*wait));
+      const auto wait = Wait(status, context, backoff);
+      const bool again = wait && attempt < options.max_attempts &&
+                         std::chrono::system_clock::now() + *wait < deadline;
+      if (!again) return StatusFromGrpc(status, context, server, options);
+      std::this_thread::sleep_for(*wait);
       backoff *= 2;
     }
   }
@@ -222,8 +231,8 @@ struct Client::Impl {
     request.set_session_id(session);
     request.set_discard(discard);
     v1::EndSessionResponse response;
-    MAPLOC_RETURN_IF_ERROR(Call(*localization, &v1::LocalizationService::Stub::EndSession, request,
-                                &response, Repeat::kSafe));
+    MAPLOC_RETURN_IF_ERROR(
+        Call(*localization, &v1::LocalizationService::Stub::EndSession, request, &response));
     return SessionSummaryFromProto(response, session);
   }
 
@@ -244,8 +253,8 @@ const std::string& Client::server() const { return impl_->server; }
 
 Result<std::vector<RemoteMap>> Client::ListMaps() const {
   v1::ListMapsResponse response;
-  MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->maps, &v1::MapService::Stub::ListMaps,
-                                     v1::ListMapsRequest(), &response, Repeat::kSafe));
+  MAPLOC_RETURN_IF_ERROR(
+      impl_->Call(*impl_->maps, &v1::MapService::Stub::ListMaps, v1::ListMapsRequest(), &response));
   std::vector<RemoteMap> maps;
   for (const v1::Map& map : response.maps()) {
     MAPLOC_ASSIGN_OR_RETURN(maps.emplace_back(), RemoteMapFromProto(map));
@@ -259,7 +268,7 @@ Result<RemoteMap> Client::GetMap(const std::string& map) const {
   request.set_map(map);
   v1::GetMapResponse response;
   MAPLOC_RETURN_IF_ERROR(
-      impl_->Call(*impl_->maps, &v1::MapService::Stub::GetMap, request, &response, Repeat::kSafe));
+      impl_->Call(*impl_->maps, &v1::MapService::Stub::GetMap, request, &response));
   return RemoteMapFromProto(response.map());
 }
 
@@ -268,8 +277,8 @@ Result<std::vector<RemoteSegment>> Client::ListSegments(const std::string& map) 
   v1::ListSegmentsRequest request;
   request.set_map(map);
   v1::ListSegmentsResponse response;
-  MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->maps, &v1::MapService::Stub::ListSegments, request,
-                                     &response, Repeat::kSafe));
+  MAPLOC_RETURN_IF_ERROR(
+      impl_->Call(*impl_->maps, &v1::MapService::Stub::ListSegments, request, &response));
   std::vector<RemoteSegment> segments;
   for (const v1::Segment& segment : response.segments()) {
     MAPLOC_ASSIGN_OR_RETURN(segments.emplace_back(), RemoteSegmentFromProto(segment));
@@ -283,13 +292,14 @@ Result<RemoteSegment> Client::GetSegment(const std::string& map, SegmentId id) c
   request.set_map(map);
   request.set_segment_id(id);
   v1::GetSegmentResponse response;
-  MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->maps, &v1::MapService::Stub::GetSegment, request,
-                                     &response, Repeat::kSafe));
+  MAPLOC_RETURN_IF_ERROR(
+      impl_->Call(*impl_->maps, &v1::MapService::Stub::GetSegment, request, &response));
   return RemoteSegmentFromProto(response.segment());
 }
 
 Result<SessionId> Client::StartSession(const std::string& map, const std::string& robot,
-                                       const std::map<std::string, std::string>& labels) const {
+                                       const std::map<std::string, std::string>& labels,
+                                       std::int64_t map_version) const {
   MAPLOC_RETURN_IF_ERROR(CheckName("map", map));
   MAPLOC_RETURN_IF_ERROR(CheckName("robot", robot));
   for (const auto& [key, value] : labels) {
@@ -301,10 +311,10 @@ Result<SessionId> Client::StartSession(const std::string& map, const std::string
   request.set_robot(robot);
   request.mutable_labels()->insert(labels.begin(), labels.end());
   request.set_request_id(NewRequestId());
+  request.set_map_version(map_version);
   v1::StartSessionResponse response;
-  MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->localization,
-                                     &v1::LocalizationService::Stub::StartSession, request,
-                                     &response, Repeat::kSafe));
+  MAPLOC_RETURN_IF_ERROR(impl_->Call(
+      *impl_->localization, &v1::LocalizationService::Stub::StartSession, request, &response));
   return response.session_id();
 }
 
@@ -314,11 +324,11 @@ Result<Localization> Client::Localize(const Query& query, bool include_matches) 
   MAPLOC_RETURN_IF_ERROR(CheckName("request_id", query.request_id));
   v1::LocalizeRequest request;
   QueryToProto(query, include_matches, &request);
+  // A lost answer does not tell whether the query was counted: by its id it is so once.
+  if (!query.session.empty() && query.request_id.empty()) request.set_request_id(NewRequestId());
   v1::LocalizeResponse response;
-  // Within a session a query is counted, and a lost answer does not tell whether it was.
-  const Repeat repeat = query.session.empty() ? Repeat::kSafe : Repeat::kNever;
   MAPLOC_RETURN_IF_ERROR(impl_->Call(*impl_->localization, &v1::LocalizationService::Stub::Localize,
-                                     request, &response, repeat));
+                                     request, &response));
   MAPLOC_ASSIGN_OR_RETURN(Localization answer, LocalizationFromProto(response, query.map));
   MAPLOC_RETURN_IF_ERROR(CheckMatches(answer, query));
   return answer;

@@ -1,7 +1,7 @@
-// maploc's C++ client: one connection to one server. Every call has a deadline; only calls that are
-// safe to repeat are repeated: after UNAVAILABLE StartSession (by its request_id), EndSession, all
-// reads, and Localize only outside of a session; every call that the server refused before it began
-// and asked to repeat (a full queue). A name that is not UTF-8 or too long (mapstore/base/name.h)
+// maploc's C++ client: one connection to one server. A call has a deadline, and is repeated until
+// then, where that is safe, as every call of this client is: after UNAVAILABLE (StartSession and
+// Localize within a session by their request_id), and where the server asks for it (a full
+// queue). A name that is not UTF-8 or too long (mapstore/base/name.h)
 // is refused before any call. A server on this machine is reached without the environment's proxy.
 // gRPC's headers stay in client.cc.
 //
@@ -33,8 +33,8 @@ struct ClientCredentials {
 };
 
 struct ClientOptions {
-  std::chrono::milliseconds call_timeout{10000};  // of each attempt
-  int max_attempts = 4;                           // of calls that are safe to repeat
+  std::chrono::milliseconds call_timeout{10000};  // of a call with its repetitions
+  int max_attempts = 4;                           // of a call
   ClientCredentials credentials;
 };
 
@@ -79,9 +79,12 @@ class Client {
   Result<std::vector<RemoteSegment>> ListSegments(const std::string& map) const;
   Result<RemoteSegment> GetSegment(const std::string& map, SegmentId id) const;
 
+  // `map_version` not 0: FAILED_PRECONDITION (MAP_VERSION_MISMATCH) where robots get another one.
   Result<SessionId> StartSession(const std::string& map, const std::string& robot,
-                                 const std::map<std::string, std::string>& labels) const;
-  // With `include_matches` the answer holds matches and inliers.
+                                 const std::map<std::string, std::string>& labels,
+                                 std::int64_t map_version = 0) const;
+  // With `include_matches` the answer holds matches and inliers. Within a session a query counts
+  // once, however often it is sent under its request_id; one without gets an id for this call.
   Result<Localization> Localize(const Query& query, bool include_matches = false) const;
   Result<SessionSummary> EndSession(const SessionId& session) const;
   // Ends it so that none of its queries counts in the statistics.

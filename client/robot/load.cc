@@ -86,6 +86,7 @@ class LoadRobot {
     Query query = queries_[static_cast<std::size_t>(i + index_) % queries_.size()];
     query.map = map_;
     query.session = session_;
+    query.request_id.clear();  // it is asked more than once
     // Sent once: a refusal is what a load is to count. A client that waited it out would report a
     // slow server instead of a full one.
     const Result<Localization> answer = impatient_.Localize(query);

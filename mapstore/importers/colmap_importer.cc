@@ -128,7 +128,7 @@ class Importer {
       MAPLOC_RETURN_IF_ERROR(writer->AddSegment(maker.Make(id, segment_frames)));
       if (progress_) progress_("writing segments", id + 1, static_cast<int>(cuts.size()));
     }
-    MAPLOC_RETURN_IF_ERROR(options_.stage ? writer->CommitStaged() : writer->Commit());
+    MAPLOC_RETURN_IF_ERROR(writer->Commit(options_.publishing));
     report_.info.key = writer->key();
     report_.points = static_cast<std::int64_t>(points_.size());
     report_.lines = static_cast<std::int64_t>(lines_.size());

@@ -28,7 +28,7 @@ struct ColmapImportOptions {
   bool detect_lines = true;                   // "--lines auto": where there are images
   std::string line_file;                      // maploc-lines text; replaces the detection
   std::optional<DescriptorKind> descriptors;  // none: the database's, or sift_root_u8
-  bool stage = false;                         // leaves the version disabled
+  Publishing publishing;
   bool triangulate = false;  // points anew from the photos' features, not the model's
 };
 

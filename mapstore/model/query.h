@@ -52,9 +52,10 @@ struct PosePrior {
 };
 
 struct Query {
-  std::string request_id;  // of the caller; may be empty
-  SessionId session;       // empty: outside of any session, and not counted
-  std::string map;         // the map's name
+  std::string request_id;        // of the caller; may be empty
+  SessionId session;             // empty: outside of any session, and not counted
+  std::string map;               // the map's name
+  std::int64_t map_version = 0;  // that the answer must be in; 0: whichever it is
   std::int64_t capture_unix_ns = 0;
   std::vector<View> views;  // exactly one today
   std::optional<Gravity> gravity;

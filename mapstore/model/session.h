@@ -32,14 +32,16 @@ struct Session {
   bool revoked = false;
 };
 
-// One query's trace. (session, sequence) is its identity: appended twice, it counts once.
+// One query's trace. (session, sequence) is its identity: appended twice, it counts once. So is
+// (session, request_id) where the robot gave one: of two, the first one appended counts.
 struct Observation {
-  std::int64_t sequence = 0;  // given by the session, from 1, without gaps
+  std::int64_t sequence = 0;  // given by the session, ascending from 1
   SegmentId segment = -1;     // -1: OUT_OF_MAP, counted in no segment
   Outcome outcome = Outcome::kNoConsensus;
   Evidence evidence;
   double total_ms = 0.0;
   std::int64_t time_unix_ns = 0;
+  std::string request_id;  // the query's; empty: it has none
 };
 
 // What one session teaches about one segment: sums over its queries. The truth; everything else is

@@ -1,5 +1,7 @@
 #include "mapstore/store/in_memory_data.h"
 
+#include <algorithm>
+
 namespace maploc {
 namespace {
 
@@ -12,6 +14,17 @@ std::vector<Segment> PlacesOf(const InMemoryMap& map) {
 }
 
 }  // namespace
+
+void AddObservations(InMemorySession& session, std::span<const Observation> observations) {
+  for (const Observation& added : observations) {
+    const auto is_same_query = [&added](const auto& entry) {
+      return entry.second.request_id == added.request_id;
+    };
+    const bool is_known =
+        !added.request_id.empty() && std::ranges::any_of(session.observations, is_same_query);
+    if (!is_known) session.observations.try_emplace(added.sequence, added);
+  }
+}
 
 std::vector<Observation> InOrder(const std::map<std::int64_t, Observation>& observations) {
   std::vector<Observation> ordered;

@@ -40,6 +40,8 @@ struct InMemorySession {
   SessionSummary summary;                            // once ended
 };
 
+// Idempotent by sequence and by request_id.
+void AddObservations(InMemorySession& session, std::span<const Observation> observations);
 std::vector<Observation> InOrder(const std::map<std::int64_t, Observation>& observations);
 SegmentSummary Summarize(const InMemorySegment& stored);
 // What `map` inherits from the version before it.
@@ -54,7 +56,7 @@ class InMemoryStore : public MapStore {
   Result<MapSummary> GetMap(const std::string& name) const override;
   Result<MapSummary> GetMap(const MapKey& key) const override;
   Result<std::vector<MapSummary>> ListVersions() const override;
-  Status EnableVersion(const MapKey& key) override;
+  Status EnableVersion(const MapKey& key, KeptVersions keep) override;
   Status DeleteVersion(const MapKey& key) override;
   Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const override;
   Result<std::vector<SegmentSummary>> ListChangedSegments(const MapKey& key,
@@ -82,7 +84,7 @@ class InMemoryStore : public MapStore {
   Status Verify() const override;
 
   // For the writer.
-  void Publish(InMemoryMap map, bool enable);
+  void Publish(InMemoryMap map, const Publishing& publishing);
   void Abandon(const MapKey& key);
   const SelectorOptions& selector() const { return options_.selector; }
 
@@ -91,6 +93,9 @@ class InMemoryStore : public MapStore {
   Result<const InMemoryMap*> FindMap(const MapKey& key) const;
   const InMemoryMap* FindPredecessor(const MapKey& heir) const;
   void Enable(const MapKey& key);
+  std::int64_t CountOpenSessions(const MapKey& key) const;
+  static void Delete(InMemoryMap& map);
+  void DeleteOlder(const std::string& name, KeptVersions keep);
   Result<const InMemorySegment*> FindSegment(const MapKey& key, SegmentId id) const;
   Status SetRevoked(const SessionId& id, bool revoked);
   Status CheckObservations(const Session& session, std::span<const Observation> observations) const;

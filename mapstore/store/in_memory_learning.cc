@@ -79,7 +79,7 @@ Result<SessionSummary> InMemoryStore::EndSession(const SessionId& id, SessionEnd
   // Every check comes before the first change, because this store cannot roll back.
   MAPLOC_RETURN_IF_ERROR(CheckObservations(stored.session, last));
 
-  for (const Observation& o : last) stored.observations.try_emplace(o.sequence, o);
+  AddObservations(stored, last);
   const std::vector<Observation> observations = InOrder(stored.observations);
   const auto rows = FoldObservations(stored.session, observations);
   stored.summary = SummarizeSession(id, end, observations, rows);

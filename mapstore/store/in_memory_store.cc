@@ -1,6 +1,7 @@
 #include "mapstore/store/in_memory_store.h"
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <tuple>
 
@@ -37,19 +38,16 @@ class InMemoryWriter : public MapWriter {
     return Status::Ok();
   }
 
-  Status Commit() override { return Publish(true); }
-  Status CommitStaged() override { return Publish(false); }
-
- private:
-  Status Publish(bool enable) {
+  Status Commit(const Publishing& publishing) override {
     if (committed_) return ImportCommitted();
     if (map_.segments.empty()) return EmptyMap(key_);
     counter_.CountInto(map_.summary);
-    store_.Publish(std::move(map_), enable);
+    store_.Publish(std::move(map_), publishing);
     committed_ = true;
     return Status::Ok();
   }
 
+ private:
   InMemoryStore& store_;
   InMemoryMap map_;
   MapKey key_;
@@ -80,7 +78,7 @@ void InMemoryStore::Enable(const MapKey& key) {
   maps_.at(key).summary.enabled_order = last + 1;
 }
 
-void InMemoryStore::Publish(InMemoryMap map, bool enable) {
+void InMemoryStore::Publish(InMemoryMap map, const Publishing& publishing) {
   const std::lock_guard lock(mutex_);
   const MapKey key = map.summary.info.key;
   imports_.erase(key);
@@ -93,7 +91,8 @@ void InMemoryStore::Publish(InMemoryMap map, bool enable) {
   const bool is_old = std::any_of(maps_.upper_bound(key), maps_.end(), [&](const auto& entry) {
     return entry.first.name == key.name && entry.second.summary.enabled;
   });
-  if (enable && !is_old) Enable(key);
+  if (publishing.enable && !is_old) Enable(key);
+  DeleteOlder(key.name, publishing.keep_versions);
   ++change_counter_;
 }
 
@@ -134,11 +133,12 @@ Result<std::vector<MapSummary>> InMemoryStore::ListVersions() const {
   return versions;
 }
 
-Status InMemoryStore::EnableVersion(const MapKey& key) {
+Status InMemoryStore::EnableVersion(const MapKey& key, KeptVersions keep) {
   const std::lock_guard lock(mutex_);
   MAPLOC_ASSIGN_OR_RETURN(const InMemoryMap* map, FindMap(key));
-  if (map->summary.enabled) return Status::Ok();
-  Enable(key);
+  if (map->summary.enabled && !keep) return Status::Ok();
+  if (!map->summary.enabled) Enable(key);
+  DeleteOlder(key.name, keep);
   ++change_counter_;
   return Status::Ok();
 }
@@ -147,18 +147,44 @@ Status InMemoryStore::DeleteVersion(const MapKey& key) {
   const std::lock_guard lock(mutex_);
   MAPLOC_ASSIGN_OR_RETURN(const InMemoryMap* found, FindMap(key));
   if (found->summary.enabled) return VersionEnabled(key);
-  const auto open = std::count_if(sessions_.begin(), sessions_.end(), [&](const auto& entry) {
+  const std::int64_t open = CountOpenSessions(key);
+  if (open > 0) return VersionInUse(key, open);
+  Delete(maps_.at(key));
+  ++change_counter_;
+  return Status::Ok();
+}
+
+std::int64_t InMemoryStore::CountOpenSessions(const MapKey& key) const {
+  return std::count_if(sessions_.begin(), sessions_.end(), [&](const auto& entry) {
     const Session& session = entry.second.session;
     return session.map == key && session.end == SessionEnd::kOpen;
   });
-  if (open > 0) return VersionInUse(key, open);
-  InMemoryMap& map = maps_.at(key);
+}
+
+void InMemoryStore::Delete(InMemoryMap& map) {
   // Only the landmarks go. Rows and weights stay, because newer versions inherit from them.
   map.deleted = true;
   map.summary.enabled_order = 0;
   for (InMemorySegment& segment : map.segments) segment.segment = nullptr;
-  ++change_counter_;
-  return Status::Ok();
+}
+
+void InMemoryStore::DeleteOlder(const std::string& name, KeptVersions keep) {
+  if (!keep) return;
+  std::vector<InMemoryMap*> older;
+  for (auto& [key, map] : maps_) {
+    if (key.name != name || map.deleted) continue;
+    if (map.summary.enabled) break;  // ascending by version
+    older.push_back(&map);
+  }
+  const bool none_enabled = std::ranges::none_of(
+      maps_, [&](const auto& e) { return e.first.name == name && e.second.summary.enabled; });
+  if (none_enabled) return;
+  std::ranges::sort(older, std::greater(), [](const InMemoryMap* map) {
+    return std::pair(map->summary.enabled_order, map->summary.info.key.version);
+  });
+  for (std::size_t i = static_cast<std::size_t>(*keep); i < older.size(); ++i) {
+    if (CountOpenSessions(older[i]->summary.info.key) == 0) Delete(*older[i]);
+  }
 }
 
 Result<MapSummary> InMemoryStore::GetMap(const std::string& name) const {
@@ -287,7 +313,7 @@ Result<std::vector<SessionId>> InMemoryStore::AppendGroup(
   for (const auto& [id, observations] : group) {
     InMemorySession& stored = sessions_.at(id);
     if (stored.session.end != SessionEnd::kOpen) continue;
-    for (const Observation& o : observations) stored.observations.try_emplace(o.sequence, o);
+    AddObservations(stored, observations);
   }
   return ended;
 }

@@ -66,6 +66,18 @@ struct SessionObservations {
   std::vector<Observation> observations;
 };
 
+// How many of a map's older DISABLED versions stay where a version is published or enabled; none:
+// all. Of those older than the enabled version, the ones that were enabled last, then the newest,
+// are kept; the others are deleted in the same transaction, as DeleteVersion does, except those
+// that open sessions use.
+using KeptVersions = std::optional<int>;
+
+// How an import becomes a version.
+struct Publishing {
+  bool enable = true;  // robots get it, unless by then a newer one is enabled
+  KeptVersions keep_versions;
+};
+
 // An import in progress, invisible to readers until Commit. Without Commit nothing remains of it.
 // Must not outlive its store. Not thread-safe.
 class MapWriter {
@@ -76,12 +88,9 @@ class MapWriter {
   // REQUIRES: ids ascend from 0 without gaps. The segment is validated (ValidateSegment); its `map`
   // is ignored. One short transaction a segment.
   virtual Status AddSegment(const Segment& segment) = 0;
-  // Publishes the version, with the counts of distinct landmarks, and enables it, unless by then a
-  // newer one is enabled. At most once.
+  // Publishes the version, with the counts of distinct landmarks. At most once.
   // FAILED_PRECONDITION (EMPTY_MAP) without a segment.
-  virtual Status Commit() = 0;
-  // The same, but robots get the version that is enabled until EnableVersion.
-  virtual Status CommitStaged() = 0;
+  virtual Status Commit(const Publishing& publishing = {}) = 0;
 };
 
 class MapStore {
@@ -96,10 +105,10 @@ class MapStore {
   // Every version of every map, also those that are not enabled, by name, then version.
   virtual Result<std::vector<MapSummary>> ListVersions() const = 0;
   // From now on this is the version of its name that robots get. Sessions stay on theirs. Nothing
-  // changes where it is enabled already.
-  virtual Status EnableVersion(const MapKey& key) = 0;
-  // Deletes a version's landmarks; their space serves later imports. Its sessions and what they
-  // taught the versions that inherit from it stay. FAILED_PRECONDITION (MAP_ENABLED) for the
+  // but `keep` has an effect where it is enabled already.
+  virtual Status EnableVersion(const MapKey& key, KeptVersions keep = std::nullopt) = 0;
+  // Deletes a version's landmarks, and gives their space back. Its sessions and what they taught
+  // the versions that inherit from it stay. FAILED_PRECONDITION (MAP_ENABLED) for the
   // enabled version, (MAP_IN_USE) where a session on it is open.
   virtual Status DeleteVersion(const MapKey& key) = 0;
   virtual Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const = 0;
@@ -126,8 +135,9 @@ class MapStore {
   // By start, then id.
   virtual Result<std::vector<Session>> ListSessions() const = 0;
   // To several sessions in ONE transaction, so that they share a sync of the disk. Idempotent by
-  // (session, sequence). Segments must exist (or be -1). Sessions that have ended are left out, and
-  // returned; any other error fails the whole group.
+  // (session, sequence) and by (session, request_id): the first one appended stays. Segments must
+  // exist (or be -1). Sessions that have ended are left out, and returned; any other error fails
+  // the whole group.
   virtual Result<std::vector<SessionId>> AppendGroup(
       std::span<const SessionObservations> group) = 0;
   // All that was appended, ascending by sequence, but Evidence::focal_scale, which is not kept.

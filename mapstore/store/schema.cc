@@ -345,8 +345,15 @@ CREATE TABLE segment_places (
 ) STRICT;
 )sql";
 
+// A query that a robot repeats counts once, also when it is answered a second time.
+constexpr std::string_view kVersion10 = R"sql(
+ALTER TABLE observations ADD COLUMN request_id TEXT NOT NULL DEFAULT '';
+CREATE UNIQUE INDEX observations_by_request ON observations (session, request_id)
+  WHERE request_id <> '';
+)sql";
+
 constexpr std::array kMigrations = {kVersion1, kVersion2, kVersion3, kVersion4, kVersion5,
-                                    kVersion6, kVersion7, kVersion8, kVersion9};
+                                    kVersion6, kVersion7, kVersion8, kVersion9, kVersion10};
 
 }  // namespace
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <thread>
 
 #include <sqlite3.h>
 
@@ -17,6 +18,9 @@ constexpr int kMaxReaders = 8;
 
 // As SQLite's own default: some 4 MB.
 constexpr int kFoldLogAtPages = 1000;
+
+// After a fold the file counts as changed until its clock has ticked (sqlite_identity.cc).
+constexpr std::chrono::milliseconds kFileSettles{30};
 
 int CountLogPages(void* count, sqlite3*, const char*, int pages) {
   *static_cast<int*>(count) = pages;
@@ -44,7 +48,7 @@ Status SqliteConnections::Writer::Commit() {
   // If the file was moved before the commit, the transaction went into the old file and would be
   // lost. The caller must not report it as stored.
   MAPLOC_RETURN_IF_ERROR(owner_->identity_->CheckPaths());
-  owner_->FoldLog();
+  owner_->FoldLog(kFoldLogAtPages);
   return Status::Ok();
 }
 
@@ -85,12 +89,20 @@ SqliteConnections::~SqliteConnections() {
 
 // Only into a file of which a transaction has seen that it is ours. Where another process has
 // folded the log meanwhile, the next commit looks again and folds.
-void SqliteConnections::FoldLog() {
-  if (log_pages_ < kFoldLogAtPages || !identity_->IsUnchanged()) return;
+void SqliteConnections::FoldLog(int at_pages) {
+  if (log_pages_ < at_pages || !identity_->IsUnchanged()) return;
   // A file with half a checkpoint in it would look like a damaged or foreign one.
   const auto no_looks = identity_->HoldLooks();
   // What cannot be folded now stays in the log, and the next commit tries again.
   static_cast<void>(writer_.Execute("PRAGMA wal_checkpoint(PASSIVE)"));
+}
+
+void SqliteConnections::FoldWholeLog() {
+  if (read_only()) return;
+  std::this_thread::sleep_for(kFileSettles);
+  static_cast<void>(Read());  // a look: FoldLog asks for an unchanged file
+  const std::lock_guard lock(write_mutex_);
+  FoldLog(1);
 }
 
 // The store's file was moved or deleted, but its log is still at the old path, where the next

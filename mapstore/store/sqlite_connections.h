@@ -75,6 +75,8 @@ class SqliteConnections {
   bool read_only() const { return writer_.IsReadOnly(); }
   Result<Reader> Read();
   Result<Writer> Write();
+  // What stands in the log goes into the file now, as far as no reader needs it there.
+  void FoldWholeLog();
   // Whether the path still names the store, without a look into its files: a few microseconds.
   Status CheckIdentity() { return identity_ ? identity_->CheckPaths() : writer_.CheckUnchanged(); }
 
@@ -86,7 +88,7 @@ class SqliteConnections {
   Deadline LatestStart() const;
   Status Begin(Reader& reader);
   // REQUIRES: write_mutex_ is held and no transaction runs (both).
-  void FoldLog();
+  void FoldLog(int at_pages);
   void FoldLogOfMovedStore();
   Result<std::unique_ptr<SqliteDatabase>> TakeReader();
   void GiveBack(std::unique_ptr<SqliteDatabase> database);

@@ -15,6 +15,7 @@
 #include "mapstore/store/sqlite_log.h"
 #include "mapstore/store/sqlite_migration.h"
 #include "mapstore/store/sqlite_places.h"
+#include "mapstore/store/sqlite_space.h"
 #include "mapstore/store/sqlite_stamp.h"
 #include "mapstore/store/sqlite_states.h"
 #include "mapstore/store/sqlite_store.h"
@@ -206,7 +207,10 @@ Result<SqliteDatabase> OpenStoreFile(const std::string& path, const SqliteStoreO
   MAPLOC_ASSIGN_OR_RETURN(SqliteDatabase database,
                           SqliteDatabase::Open(path, access, options.busy_timeout_ms));
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t version, UserVersion(database));
+  // Before the first table is made.
+  if (version == 0) MAPLOC_RETURN_IF_ERROR(database.Execute("PRAGMA auto_vacuum = INCREMENTAL"));
   if (version != StoreSchemaVersion()) MAPLOC_RETURN_IF_ERROR(Migrate(database));
+  if (version > 0 && version < kVersionShrinkable) MakeShrinkable(database);
   MAPLOC_RETURN_IF_ERROR(TurnOnWriteAheadLog(database, options.busy_timeout_ms));
   MAPLOC_RETURN_IF_ERROR(EnsureStamp(database));
   MAPLOC_RETURN_IF_ERROR(DeriveAnewIfStale(database));

@@ -191,14 +191,18 @@ class SqliteMapWriter : public MapWriter {
     return Status::Ok();
   }
 
-  Status Commit() override { return Publish(true); }
-  Status CommitStaged() override { return Publish(false); }
-
- private:
-  Status Publish(bool enable) {
+  Status Commit(const Publishing& publishing) override {
     if (committed_) return ImportCommitted();
     if (next_ == 0) return EmptyMap(info_.key);
     MAPLOC_RETURN_IF_ERROR(Inherit());
+    MAPLOC_RETURN_IF_ERROR(Publish(publishing));
+    committed_ = true;
+    if (publishing.keep_versions) FinishDeletions(connections_);
+    return Status::Ok();
+  }
+
+ private:
+  Status Publish(const Publishing& publishing) {
     MapSummary summary;
     counter_.CountInto(summary);
     MAPLOC_ASSIGN_OR_RETURN(auto writer, connections_.Write());
@@ -208,10 +212,10 @@ class SqliteMapWriter : public MapWriter {
     MAPLOC_RETURN_IF_ERROR(
         publish.Bind(row_id_, summary.segments, summary.points, summary.lines, summary.usable_lines)
             .Run());
-    if (enable) MAPLOC_RETURN_IF_ERROR(EnableUnlessOld(writer.database()));
-    MAPLOC_RETURN_IF_ERROR(writer.CommitVisibly());
-    committed_ = true;
-    return Status::Ok();
+    if (publishing.enable) MAPLOC_RETURN_IF_ERROR(EnableUnlessOld(writer.database()));
+    MAPLOC_RETURN_IF_ERROR(
+        MarkOlderDeleted(writer.database(), info_.key.name, publishing.keep_versions));
+    return writer.CommitVisibly();
   }
 
   // Two imports at once: the one that began later is newer, whichever ends first.

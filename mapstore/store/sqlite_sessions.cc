@@ -39,7 +39,7 @@ constexpr std::string_view kObservationColumns =
     "session, sequence, segment, outcome, point_matches, point_inliers, usable_line_matches, "
     "usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back, "
     "iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns, inlier_rms_pixels, "
-    "gravity_rejected, gravity_tilt_x_rad, gravity_tilt_y_rad";
+    "gravity_rejected, gravity_tilt_x_rad, gravity_tilt_y_rad, request_id";
 
 Observation ObservationAt(const SqliteStatement& row) {
   Observation observation;
@@ -60,6 +60,7 @@ Observation ObservationAt(const SqliteStatement& row) {
   evidence.inlier_rms_px = row.Real("inlier_rms_pixels");
   evidence.gravity_rejected = row.Bool("gravity_rejected");
   evidence.gravity_tilt_rad = {row.Real("gravity_tilt_x_rad"), row.Real("gravity_tilt_y_rad")};
+  observation.request_id = row.Text("request_id");
   return observation;
 }
 
@@ -72,7 +73,8 @@ Status InsertObservation(SqliteStatement& insert, const SessionId& id, const Obs
             evidence.vertical_lines.inliers, static_cast<std::int64_t>(evidence.strategy),
             evidence.fell_back, evidence.iterations, evidence.gravity_disagreement_rad,
             evidence.confidence, o.total_ms, o.time_unix_ns, evidence.inlier_rms_px,
-            evidence.gravity_rejected, evidence.gravity_tilt_rad.x(), evidence.gravity_tilt_rad.y())
+            evidence.gravity_rejected, evidence.gravity_tilt_rad.x(), evidence.gravity_tilt_rad.y(),
+            o.request_id)
       .Run();
 }
 
@@ -184,8 +186,7 @@ Status InsertObservations(SqliteDatabase& database, const StoredMap& map, const 
   // Appending twice stores once: a sequence that is known keeps what it has.
   const std::string columns(kObservationColumns);
   SqliteStatement insert(database, "INSERT INTO observations (" + columns + ") VALUES " +
-                                       ParametersFor(columns) +
-                                       " ON CONFLICT (session, sequence) DO NOTHING");
+                                       ParametersFor(columns) + " ON CONFLICT DO NOTHING");
   for (const Observation& observation : observations) {
     MAPLOC_RETURN_IF_ERROR(ValidateObservation(observation));
     if (observation.segment >= 0) {

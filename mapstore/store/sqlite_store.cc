@@ -24,7 +24,7 @@ class SqliteStore : public MapStore {
   Result<MapSummary> GetMap(const std::string& name) const override;
   Result<MapSummary> GetMap(const MapKey& key) const override;
   Result<std::vector<MapSummary>> ListVersions() const override;
-  Status EnableVersion(const MapKey& key) override;
+  Status EnableVersion(const MapKey& key, KeptVersions keep) override;
   Status DeleteVersion(const MapKey& key) override;
   Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const override;
   Result<std::vector<SegmentSummary>> ListChangedSegments(const MapKey& key,
@@ -78,8 +78,8 @@ Result<std::vector<MapSummary>> SqliteStore::ListVersions() const {
   return versions;
 }
 
-Status SqliteStore::EnableVersion(const MapKey& key) {
-  return EnableSqliteVersion(*connections_, key);
+Status SqliteStore::EnableVersion(const MapKey& key, KeptVersions keep) {
+  return EnableSqliteVersion(*connections_, key, keep);
 }
 
 Status SqliteStore::DeleteVersion(const MapKey& key) {

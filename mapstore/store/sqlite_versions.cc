@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "mapstore/store/sqlite_maps.h"
+#include "mapstore/store/sqlite_space.h"
 #include "mapstore/store/validation.h"
 
 namespace maploc {
@@ -65,17 +66,42 @@ Status EnableRow(SqliteDatabase& database, std::int64_t map) {
   return enable.Bind(map).Run();
 }
 
-Status EnableSqliteVersion(SqliteConnections& connections, const MapKey& key) {
-  MAPLOC_ASSIGN_OR_RETURN(auto writer, connections.Write());
-  MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(writer.database(), key));
-  if (map.summary.enabled) return Status::Ok();
-  MAPLOC_RETURN_IF_ERROR(EnableRow(writer.database(), map.row_id));
-  return writer.CommitVisibly();
+Status MarkOlderDeleted(SqliteDatabase& database, const std::string& name, KeptVersions keep) {
+  if (!keep) return Status::Ok();
+  const Result<StoredMap> enabled = ReadEnabledMap(database, name);
+  if (enabled.status().code() == StatusCode::kNotFound) return Status::Ok();
+  if (!enabled.ok()) return enabled.status();
+  SqliteStatement mark(database,
+                       "UPDATE map_versions SET deleted = 1, enabled_order = 0 WHERE id IN ("
+                       "SELECT id FROM map_versions WHERE name = ?1 AND state = 1 AND deleted = 0 "
+                       "AND version < ?2 ORDER BY enabled_order DESC, version DESC "
+                       "LIMIT -1 OFFSET ?3) AND NOT EXISTS ("
+                       "SELECT 1 FROM sessions s WHERE s.map = map_versions.id AND s.end = 0)");
+  return mark.Bind(name, enabled->key().version, *keep).Run();
+}
+
+Status EnableSqliteVersion(SqliteConnections& connections, const MapKey& key, KeptVersions keep) {
+  {
+    MAPLOC_ASSIGN_OR_RETURN(auto writer, connections.Write());
+    SqliteDatabase& database = writer.database();
+    MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(database, key));
+    if (map.summary.enabled && !keep) return Status::Ok();
+    if (!map.summary.enabled) MAPLOC_RETURN_IF_ERROR(EnableRow(database, map.row_id));
+    MAPLOC_RETURN_IF_ERROR(MarkOlderDeleted(database, key.name, keep));
+    MAPLOC_RETURN_IF_ERROR(writer.CommitVisibly());
+  }
+  if (keep) FinishDeletions(connections);
+  return Status::Ok();
 }
 
 Status DeleteSqliteVersion(SqliteConnections& connections, const MapKey& key) {
   MAPLOC_RETURN_IF_ERROR(MarkDeleted(connections, key).status());
-  return SweepDeletedVersions(connections);
+  MAPLOC_RETURN_IF_ERROR(SweepDeletedVersions(connections));
+  return GiveSpaceBack(connections);
+}
+
+void FinishDeletions(SqliteConnections& connections) {
+  if (SweepDeletedVersions(connections).ok()) static_cast<void>(GiveSpaceBack(connections));
 }
 
 Status SweepDeletedVersions(SqliteConnections& connections) {

@@ -51,9 +51,21 @@ void AddRequiredVersionOption(CLI::App& command, std::int64_t& version) {
       ->type_name("N");
 }
 
-void AddStageFlag(CLI::App& command, bool& stage) {
-  command.add_flag("--stage", stage,
-                   "Leave the new version DISABLED until `maploc-map enable`; robots keep theirs");
+void AddKeepVersionsOption(CLI::App& command, KeptVersions& keep) {
+  command
+      .add_option("--keep-versions", keep,
+                  "Of the DISABLED versions older than the enabled one keep so many, those that "
+                  "were enabled last; delete the others, unless open sessions use them. Left out: "
+                  "keep all")
+      ->check(CLI::Range(0, 1000000))
+      ->type_name("N");
+}
+
+void AddPublishingFlags(CLI::App& command, Publishing& publishing) {
+  command.add_flag_callback(
+      "--stage", [&publishing] { publishing.enable = false; },
+      "Leave the new version DISABLED until `maploc-map enable`; robots keep theirs");
+  AddKeepVersionsOption(command, publishing.keep_versions);
 }
 
 Result<MapSummary> FindMap(const MapStore& store, const std::string& name,

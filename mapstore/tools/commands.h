@@ -35,7 +35,8 @@ void AddSegmentOption(CLI::App& command, SegmentId& segment);  // --segment, req
 
 void AddVersionOption(CLI::App& command, std::optional<std::int64_t>& version);  // --version
 void AddRequiredVersionOption(CLI::App& command, std::int64_t& version);  // the same, required
-void AddStageFlag(CLI::App& command, bool& stage);                        // --stage
+void AddKeepVersionsOption(CLI::App& command, KeptVersions& keep);        // --keep-versions
+void AddPublishingFlags(CLI::App& command, Publishing& publishing);       // and --stage
 
 // One version of a map, the enabled one where none is given. INVALID_ARGUMENT: below 1.
 Result<MapSummary> FindMap(const MapStore& store, const std::string& name,

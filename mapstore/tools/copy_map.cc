@@ -6,14 +6,15 @@
 namespace maploc {
 
 Result<MapKey> CopyMap(const MapStore& from, const MapKey& version, MapStore& to,
-                       const MapInfo& info, bool stage, const SegmentChanger& change) {
+                       const MapInfo& info, const Publishing& publishing,
+                       const SegmentChanger& change) {
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments, from.ListSegments(version));
   MAPLOC_ASSIGN_OR_RETURN(const std::unique_ptr<MapWriter> writer, to.BeginImport(info));
   for (const SegmentSummary& summary : segments) {
     MAPLOC_ASSIGN_OR_RETURN(const auto segment, from.LoadSegment(version, summary.id));
     MAPLOC_RETURN_IF_ERROR(writer->AddSegment(change(*segment)));
   }
-  MAPLOC_RETURN_IF_ERROR(stage ? writer->CommitStaged() : writer->Commit());
+  MAPLOC_RETURN_IF_ERROR(writer->Commit(publishing));
   return writer->key();
 }
 

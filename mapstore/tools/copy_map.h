@@ -12,9 +12,10 @@ namespace maploc {
 using SegmentChanger = std::function<Segment(const Segment&)>;
 
 // The segments of `version` in `from`, as a new version of `info`'s name in `to`, with `info`'s
-// other fields; `stage` leaves it disabled. An import like any other: it inherits what the sessions
+// other fields. An import like any other: it inherits what the sessions
 // of an older version in `to` taught, and a failure leaves no half map.
 Result<MapKey> CopyMap(const MapStore& from, const MapKey& version, MapStore& to,
-                       const MapInfo& info, bool stage, const SegmentChanger& change);
+                       const MapInfo& info, const Publishing& publishing,
+                       const SegmentChanger& change);
 
 }  // namespace maploc

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <iostream>
 
 #include "mapstore/tools/commands.h"
@@ -11,14 +12,27 @@ struct DeleteFlags {
   std::int64_t version = 0;
 };
 
+std::uintmax_t BytesOf(const std::string& path) {
+  std::error_code none;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, none);
+  return none ? 0 : bytes;
+}
+
 Status Delete(const CommandContext& context, const DeleteFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
+  const std::uintmax_t before = BytesOf(context.store_path);
   MAPLOC_RETURN_IF_ERROR(store->DeleteVersion({flags.map, flags.version}));
+  const std::uintmax_t after = BytesOf(context.store_path);
   if (context.json) {
-    PrintJson({{"map", flags.map}, {"version", flags.version}, {"deleted", true}});
+    PrintJson({{"map", flags.map},
+               {"version", flags.version},
+               {"deleted", true},
+               {"store_bytes_before", before},
+               {"store_bytes", after}});
   } else {
     std::cout << "Map " << flags.map << " version " << flags.version
-              << " is deleted; its space in the store serves later imports.\n";
+              << " is deleted; the store's file had " << before << " bytes and has " << after
+              << ".\n";
   }
   return Status::Ok();
 }

@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "mapstore/tools/commands.h"
+#include "mapstore/tools/deleted_versions.h"
 #include "mapstore/tools/output.h"
 
 namespace maploc {
@@ -9,6 +10,7 @@ namespace {
 struct EnableFlags {
   std::string map;
   std::int64_t version = 0;
+  KeptVersions keep;
 };
 
 // The enabled version of a map; 0: none is.
@@ -24,20 +26,24 @@ Result<std::int64_t> EnabledVersion(const std::vector<MapSummary>& versions,
   return NotFound("map '" + name + "'", "MAP_NOT_FOUND");
 }
 
-void Report(const CommandContext& context, const MapKey& key, std::int64_t before) {
+void Report(const CommandContext& context, const MapKey& key, std::int64_t before,
+            const std::vector<std::int64_t>& deleted) {
   if (context.json) {
     PrintJson({{"map", key.name},
                {"version", key.version},
                {"version_before", before},
-               {"changed", key.version != before}});
-  } else if (key.version == before) {
-    std::cout << "Map " << key.name << " version " << key.version
-              << " is enabled already; nothing was changed.\n";
+               {"changed", key.version != before},
+               {"deleted_versions", deleted}});
+    return;
+  }
+  if (key.version == before) {
+    std::cout << "Map " << key.name << " version " << key.version << " is enabled already.\n";
   } else {
     std::cout << "Map " << key.name << " version " << key.version << " is enabled";
     if (before > 0) std::cout << ", version " << before << " no longer is";
     std::cout << ".\n";
   }
+  PrintDeleted(deleted);
 }
 
 Status Enable(const CommandContext& context, const EnableFlags& flags) {
@@ -45,8 +51,9 @@ Status Enable(const CommandContext& context, const EnableFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<MapSummary> versions, store->ListVersions());
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t before, EnabledVersion(versions, flags.map));
   const MapKey key{flags.map, flags.version};
-  MAPLOC_RETURN_IF_ERROR(store->EnableVersion(key));
-  return Report(context, key, before), Status::Ok();
+  MAPLOC_RETURN_IF_ERROR(store->EnableVersion(key, flags.keep));
+  MAPLOC_ASSIGN_OR_RETURN(const auto deleted, DeletedSince(versions, *store, flags.map));
+  return Report(context, key, before, deleted), Status::Ok();
 }
 
 // The version that was enabled before the one that is.
@@ -71,7 +78,7 @@ Status Rollback(const CommandContext& context, const std::string& name) {
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t before, EnabledVersion(versions, name));
   MAPLOC_ASSIGN_OR_RETURN(const MapKey key, VersionBefore(versions, name));
   MAPLOC_RETURN_IF_ERROR(store->EnableVersion(key));
-  return Report(context, key, before), Status::Ok();
+  return Report(context, key, before, {}), Status::Ok();
 }
 
 }  // namespace
@@ -86,6 +93,7 @@ void AddEnableCommand(CLI::App& app, CommandContext& context) {
       [&context, flags] { return Enable(context, *flags); });
   AddMapOption(*command, flags->map);
   AddRequiredVersionOption(*command, flags->version);
+  AddKeepVersionsOption(*command, flags->keep);
 }
 
 void AddRollbackCommand(CLI::App& app, CommandContext& context) {

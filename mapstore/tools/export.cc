@@ -19,7 +19,7 @@ struct ExportFlags {
 // A store of one map. It closes before its file is given its name, so that no log stays beside it.
 Result<MapKey> WriteFile(const MapStore& store, const MapInfo& info, const std::string& file) {
   MAPLOC_ASSIGN_OR_RETURN(const std::unique_ptr<MapStore> target, OpenSqliteStore(file));
-  return CopyMap(store, info.key, *target, info, false,
+  return CopyMap(store, info.key, *target, info, {},
                  [](const Segment& segment) { return segment; });
 }
 

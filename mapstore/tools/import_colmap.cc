@@ -10,6 +10,7 @@
 #include "mapstore/base/angles.h"
 #include "mapstore/base/table.h"
 #include "mapstore/importers/colmap_importer.h"
+#include "mapstore/tools/deleted_versions.h"
 #include "mapstore/tools/output.h"
 
 namespace maploc {
@@ -121,9 +122,11 @@ Status Import(const CommandContext& context, const Flags& flags) {
   const auto start = std::chrono::steady_clock::now();
   MAPLOC_ASSIGN_OR_RETURN(const ColmapImportOptions options, ReadFlags(flags));
   std::unique_ptr<MapStore> store;
+  std::vector<MapSummary> before;
   const auto open = [&]() -> Result<MapStore*> {
     if (store == nullptr) {
       MAPLOC_ASSIGN_OR_RETURN(store, OpenOrCreateStore(context));
+      MAPLOC_ASSIGN_OR_RETURN(before, store->ListVersions());
     }
     return store.get();
   };
@@ -134,13 +137,17 @@ Status Import(const CommandContext& context, const Flags& flags) {
   if (exists) MAPLOC_RETURN_IF_ERROR(open().status());
   MAPLOC_ASSIGN_OR_RETURN(const ColmapImportReport report,
                           ImportColmap(options, open, TerminalProgress()));
+  MAPLOC_ASSIGN_OR_RETURN(const auto deleted, DeletedSince(before, *store, report.info.key.name));
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   for (const std::string& notice : report.notices) std::cerr << "note: " << notice << "\n";
   TellGravity(report.gravity);
   if (context.json) {
-    PrintJson(ToJson(report, elapsed.count()));
+    nlohmann::ordered_json document = ToJson(report, elapsed.count());
+    document["deleted_versions"] = deleted;
+    PrintJson(document);
   } else {
     PrintSummary(report, elapsed.count());
+    PrintDeleted(deleted);
   }
   return Status::Ok();
 }
@@ -181,7 +188,7 @@ void AddMapFlags(CLI::App& command, Flags& flags) {
       ->delimiter(',')
       ->expected(3)
       ->type_name("X,Y,Z");
-  AddStageFlag(command, flags.options.stage);
+  AddPublishingFlags(command, flags.options.publishing);
   command.add_flag("--force", flags.options.force, "Take a gravity that the photos contradict");
   command
       .add_option("--scale", flags.options.meters_per_unit,

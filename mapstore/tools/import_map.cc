@@ -5,6 +5,7 @@
 #include "mapstore/store/sqlite_store.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/copy_map.h"
+#include "mapstore/tools/deleted_versions.h"
 #include "mapstore/tools/output.h"
 
 namespace maploc {
@@ -13,7 +14,7 @@ namespace {
 struct ImportFlags {
   std::string from;
   std::string map;  // empty: the file's only one
-  bool stage = false;
+  Publishing publishing;
 };
 
 Result<MapInfo> ChooseMap(const MapStore& file, const ImportFlags& flags) {
@@ -43,13 +44,19 @@ Status Import(const CommandContext& context, const ImportFlags& flags) {
   const MapKey from = info.key;
   info.created_unix_ns = SystemClock().NowUnixNanos();
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenOrCreateStore(context));
-  MAPLOC_ASSIGN_OR_RETURN(const MapKey key, CopyMap(*file, from, *store, info, flags.stage,
+  MAPLOC_ASSIGN_OR_RETURN(const auto before, store->ListVersions());
+  MAPLOC_ASSIGN_OR_RETURN(const MapKey key, CopyMap(*file, from, *store, info, flags.publishing,
                                                     [](const Segment& s) { return s; }));
+  MAPLOC_ASSIGN_OR_RETURN(const auto deleted, DeletedSince(before, *store, key.name));
   if (context.json) {
-    PrintJson({{"map", key.name}, {"version", key.version}, {"from", flags.from}});
+    PrintJson({{"map", key.name},
+               {"version", key.version},
+               {"from", flags.from},
+               {"deleted_versions", deleted}});
   } else {
     std::cout << "Map " << key.name << " version " << key.version << " is version " << from.version
               << " of " << flags.from << ".\n";
+    PrintDeleted(deleted);
   }
   return Status::Ok();
 }
@@ -69,7 +76,7 @@ void AddImportCommand(CLI::App& app, CommandContext& context) {
       ->type_name("FILE");
   command->add_option("--map", flags->map, "Which map, where the file holds several")
       ->type_name("NAME");
-  AddStageFlag(*command, flags->stage);
+  AddPublishingFlags(*command, flags->publishing);
 }
 
 }  // namespace maploc

@@ -19,7 +19,7 @@ constexpr double kSmallestTurnRad = kMinGravitySigmaRad;
 struct LevelFlags {
   std::string map;
   std::vector<double> gravity;  // three: down, in the map as it is
-  bool stage = false;
+  Publishing publishing;
 };
 
 struct Levelled {
@@ -39,23 +39,25 @@ Result<Eigen::Vector3d> ReadGravity(const std::vector<double>& flag) {
 
 // An import like any other, so that the new version inherits what the old one's sessions taught.
 Result<MapKey> WriteTurned(MapStore& store, const MapInfo& before,
-                           const Eigen::Quaterniond& turned_from_map, bool stage) {
+                           const Eigen::Quaterniond& turned_from_map,
+                           const Publishing& publishing) {
   MapInfo info = before;
   // Inheritance finds shared landmarks by this transform, so the turn must be in it.
   info.map_from_source = Similarity3{1.0, turned_from_map, {0, 0, 0}} * before.map_from_source;
   info.created_unix_ns = SystemClock().NowUnixNanos();
-  return CopyMap(store, before.key, store, info, stage,
+  return CopyMap(store, before.key, store, info, publishing,
                  [&](const Segment& segment) { return RotateSegment(turned_from_map, segment); });
 }
 
 Result<Levelled> TurnMap(MapStore& store, const std::string& map,
-                         const Eigen::Vector3d& gravity_in_map, bool stage) {
+                         const Eigen::Vector3d& gravity_in_map, const Publishing& publishing) {
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary summary, store.GetMap(map));
   Levelled levelled{summary.info.key, summary.info.key, gravity_in_map,
                     AngleBetween(gravity_in_map, kGravityInMap)};
   if (levelled.turn_rad < kSmallestTurnRad) return levelled;
   const Eigen::Quaterniond turned_from_map = CameraFromAligned(gravity_in_map).conjugate();
-  MAPLOC_ASSIGN_OR_RETURN(levelled.after, WriteTurned(store, summary.info, turned_from_map, stage));
+  MAPLOC_ASSIGN_OR_RETURN(levelled.after,
+                          WriteTurned(store, summary.info, turned_from_map, publishing));
   return levelled;
 }
 
@@ -84,7 +86,7 @@ Status Level(const CommandContext& context, const LevelFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const Eigen::Vector3d gravity, ReadGravity(flags.gravity));
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
   MAPLOC_ASSIGN_OR_RETURN(const Levelled levelled,
-                          TurnMap(*store, flags.map, gravity, flags.stage));
+                          TurnMap(*store, flags.map, gravity, flags.publishing));
   if (context.json) return PrintJson(ToJson(levelled)), Status::Ok();
   PrintText(levelled);
   return Status::Ok();
@@ -107,7 +109,7 @@ void AddLevelCommand(CLI::App& app, CommandContext& context) {
       ->delimiter(',')
       ->expected(3)
       ->type_name("X,Y,Z");
-  AddStageFlag(*command, flags->stage);
+  AddPublishingFlags(*command, flags->publishing);
 }
 
 }  // namespace maploc

@@ -15,6 +15,11 @@ Status CheckRequiredName(const std::string& field, const std::string& value) {
   return CheckName(field, value);
 }
 
+Status CheckMapVersion(std::int64_t version) {
+  if (version >= 0) return Status::Ok();
+  return InvalidArgument("map_version", "must not be negative; 0 takes any", "OUT_OF_RANGE");
+}
+
 Status UnknownEnum(const std::string& field, int value) {
   return InvalidArgument(field, "holds the unknown value " + std::to_string(value),
                          "UNKNOWN_ENUM_VALUE");

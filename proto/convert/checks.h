@@ -2,6 +2,7 @@
 // proto/convert.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include <Eigen/Core>
@@ -23,6 +24,8 @@ std::string At(const std::string& field, std::size_t index);
 
 // As CheckName (mapstore/base/name.h), and not empty.
 Status CheckRequiredName(const std::string& field, const std::string& value);
+// The field `map_version`: 0 or a version.
+Status CheckMapVersion(std::int64_t version);
 // UNKNOWN_ENUM_VALUE.
 Status UnknownEnum(const std::string& field, int value);
 

@@ -36,7 +36,8 @@ struct SessionRequest {
   std::string map;
   std::string robot;
   std::map<std::string, std::string> labels;
-  std::string request_id;  // may be empty
+  std::string request_id;        // may be empty
+  std::int64_t map_version = 0;  // 0: the enabled one
 };
 
 // Names: as CheckName (mapstore/base/name.h).

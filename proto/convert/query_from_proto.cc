@@ -100,6 +100,7 @@ Status CheckNames(const v1::LocalizeRequest& request) {
   if (request.session_id().empty() && request.map().empty()) {
     return InvalidArgument("map", "is required outside of a session", "REQUIRED");
   }
+  MAPLOC_RETURN_IF_ERROR(convert::CheckMapVersion(request.map_version()));
   if (request.capture_unix_nanos() < 0) {
     return InvalidArgument("capture_unix_nanos", "must not be negative", "OUT_OF_RANGE");
   }
@@ -123,6 +124,7 @@ Result<Query> QueryFromProto(const v1::LocalizeRequest& request) {
   query.request_id = request.request_id();
   query.session = request.session_id();
   query.map = request.map();
+  query.map_version = request.map_version();
   query.capture_unix_ns = request.capture_unix_nanos();
   MAPLOC_ASSIGN_OR_RETURN(query.gravity, GravityFromProto(request));
   if (request.has_prior()) {

@@ -20,6 +20,7 @@ void QueryToProto(const Query& query, bool include_matches, v1::LocalizeRequest*
   request->Clear();
   request->set_session_id(query.session);
   request->set_map(query.map);
+  request->set_map_version(query.map_version);
   request->set_request_id(query.request_id);
   request->set_capture_unix_nanos(query.capture_unix_ns);
   for (const View& view : query.views) ViewToProto(view, request->add_views());

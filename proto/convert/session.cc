@@ -28,6 +28,7 @@ Result<SessionRequest> SessionRequestFromProto(const v1::StartSessionRequest& re
   MAPLOC_RETURN_IF_ERROR(convert::CheckRequiredName("map", request.map()));
   MAPLOC_RETURN_IF_ERROR(convert::CheckRequiredName("robot", request.robot()));
   MAPLOC_RETURN_IF_ERROR(CheckName("request_id", request.request_id()));
+  MAPLOC_RETURN_IF_ERROR(convert::CheckMapVersion(request.map_version()));
   if (request.labels_size() > kMaxLabels) {
     return InvalidArgument("labels", "at most 32 are allowed", "TOO_MANY_LABELS");
   }
@@ -39,7 +40,8 @@ Result<SessionRequest> SessionRequestFromProto(const v1::StartSessionRequest& re
   return SessionRequest{.map = request.map(),
                         .robot = request.robot(),
                         .labels = {request.labels().begin(), request.labels().end()},
-                        .request_id = request.request_id()};
+                        .request_id = request.request_id(),
+                        .map_version = request.map_version()};
 }
 
 Result<SessionId> SessionIdFromProto(const v1::EndSessionRequest& request) {

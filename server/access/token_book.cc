@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "mapstore/base/clock.h"
 #include "server/access/token.h"
 
 namespace maploc {
@@ -82,6 +83,12 @@ Result<Caller> TokenBook::Authenticate(std::optional<std::string_view> authoriza
   }
   if (found->second.revoked_unix_ns) {
     return Unauthenticated("TOKEN_REVOKED", "token " + token->id + " has been revoked");
+  }
+  const std::optional<std::int64_t> expires = found->second.expires_unix_ns;
+  if (expires && SystemClock().NowUnixNanos() >= *expires) {
+    return Unauthenticated("TOKEN_EXPIRED", "token " + token->id +
+                                                " has expired; maploc-server token create makes "
+                                                "another one");
   }
   return Caller(found->second.grant);
 }

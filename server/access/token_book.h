@@ -29,9 +29,10 @@ class TokenBook {
   bool IsAskedInVain();
 
   // `authorization` is the call's header: "Bearer TOKEN"; nullopt: it has none. UNAUTHENTICATED:
-  // TOKEN_MISSING, TOKEN_MALFORMED, TOKEN_WRONG, TOKEN_REVOKED. No message holds the token. A file
-  // that cannot be read any more is told in the log, and what was known counts on: `token revoke`
-  // refuses to write to such a file, so that nobody takes a token for revoked that is not.
+  // TOKEN_MISSING, TOKEN_MALFORMED, TOKEN_WRONG, TOKEN_REVOKED, TOKEN_EXPIRED. No message holds the
+  // token. A file that cannot be read any more is told in the log, and what was known counts on:
+  // `token revoke` refuses to write to such a file, so that nobody takes a token for revoked that
+  // is not.
   Result<Caller> Authenticate(std::optional<std::string_view> authorization);
 
  private:

@@ -107,7 +107,8 @@ Result<std::optional<TokenRecords>> TokenFile::Read() const {
   return std::optional(std::move(records));
 }
 
-Result<Token> TokenFile::Create(const Grant& grant) const {
+Result<Token> TokenFile::Create(const Grant& grant,
+                                std::optional<std::chrono::seconds> lifetime) const {
   MAPLOC_RETURN_IF_ERROR(CheckGrant(grant));
   MAPLOC_ASSIGN_OR_RETURN(const Token token, NewToken());
   MAPLOC_ASSIGN_OR_RETURN(const File file, OpenToWrite(path_, /*create=*/true));
@@ -117,6 +118,9 @@ Result<Token> TokenFile::Create(const Grant& grant) const {
   record.grant = grant;
   record.hash = HashSecret(token.secret);
   record.created_unix_ns = SystemClock().NowUnixNanos();
+  if (lifetime) {
+    record.expires_unix_ns = record.created_unix_ns + std::chrono::nanoseconds(*lifetime).count();
+  }
   MAPLOC_RETURN_IF_ERROR(Append(path_, file.get(), text, CreatedLine(token.id, record)));
   return token;
 }

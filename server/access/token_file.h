@@ -3,6 +3,7 @@
 // or one that was revoked. Writers lock the file; a reader takes whole lines.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -18,6 +19,7 @@ struct TokenRecord {
   Grant grant;
   std::string hash;  // HashSecret
   std::int64_t created_unix_ns = 0;
+  std::optional<std::int64_t> expires_unix_ns;  // from then on it is refused; none: never
   std::optional<std::int64_t> revoked_unix_ns;
 };
 
@@ -34,9 +36,11 @@ class TokenFile {
   Result<std::optional<TokenRecords>> Read() const;
 
   // A new token, whose secret is in the answer alone. The file is made where there is none, and
-  // belongs to whom the store's folder does. INVALID_ARGUMENT: a name that is none; a robot without
-  // a name. Else Read's errors, and UNAVAILABLE (TOKENS_NOT_WRITTEN): nothing has changed.
-  Result<Token> Create(const Grant& grant) const;
+  // belongs to whom the store's folder does. `lifetime` is from now on; none: for ever.
+  // INVALID_ARGUMENT: a name that is none; a robot without a name. Else Read's errors, and
+  // UNAVAILABLE (TOKENS_NOT_WRITTEN): nothing has changed.
+  Result<Token> Create(const Grant& grant,
+                       std::optional<std::chrono::seconds> lifetime = std::nullopt) const;
 
   // Idempotent. NOT_FOUND (TOKEN_NOT_FOUND); else Create's errors.
   Status Revoke(const std::string& id) const;

@@ -38,6 +38,12 @@ Result<TokenRecord> ParseRecord(const Json& json) {
   if (!IsHex(record.hash, kHashDigits)) return InvalidArgument("sha256", "is no SHA-256");
   if (!At(json, "unix_ns").is_number_integer()) return InvalidArgument("unix_ns", "is no time");
   record.created_unix_ns = At(json, "unix_ns").get<std::int64_t>();
+  const Json& expires = At(json, "expires_unix_ns");
+  // A token whose end cannot be read must not live for ever.
+  if (!expires.is_null() && !expires.is_number_integer()) {
+    return InvalidArgument("expires_unix_ns", "is no time");
+  }
+  if (!expires.is_null()) record.expires_unix_ns = expires.get<std::int64_t>();
   return record;
 }
 
@@ -78,15 +84,15 @@ Status CheckGrant(const Grant& grant) {
 }
 
 std::string CreatedLine(const std::string& id, const TokenRecord& record) {
-  return Json{{"event", "created"},
-              {"id", id},
-              {"role", RoleName(record.grant.role)},
-              {"robot", record.grant.robot},
-              {"maps", record.grant.maps},
-              {"sha256", record.hash},
-              {"unix_ns", record.created_unix_ns}}
-             .dump() +
-         "\n";
+  Json line{{"event", "created"},
+            {"id", id},
+            {"role", RoleName(record.grant.role)},
+            {"robot", record.grant.robot},
+            {"maps", record.grant.maps},
+            {"sha256", record.hash},
+            {"unix_ns", record.created_unix_ns}};
+  if (record.expires_unix_ns) line["expires_unix_ns"] = *record.expires_unix_ns;
+  return line.dump() + "\n";
 }
 
 std::string RevokedLine(const std::string& id, std::int64_t unix_ns) {

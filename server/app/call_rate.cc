@@ -21,6 +21,11 @@ constexpr double kCallsPerSecond = 10000;
 constexpr double kBurst = 256;
 constexpr std::size_t kForgetAbove = 10000;  // connections, of which most must be closed
 
+// With the time in words: gRPC 1.51 sends no trailing metadata of whoever refuses here.
+constexpr char kRefusal[] =
+    "too many calls on this connection, more than 10000 a second; try again after 1000 ms "
+    "(CALL_RATE)";
+
 class CallRate {
  public:
   // `connection` is known by its address alone, which may come again.
@@ -57,7 +62,7 @@ void Process(void* state, grpc_auth_context* connection, const grpc_metadata*, s
              grpc_process_auth_metadata_done_cb done, void* call) {
   const bool admitted = static_cast<CallRate*>(state)->Admit(connection);
   done(call, nullptr, 0, nullptr, 0, admitted ? GRPC_STATUS_OK : GRPC_STATUS_RESOURCE_EXHAUSTED,
-       admitted ? nullptr : "too many calls on this connection (CALL_RATE)");
+       admitted ? nullptr : kRefusal);
 }
 
 class Limited final : public grpc::ServerCredentials {

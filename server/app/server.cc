@@ -149,6 +149,7 @@ Status Server::StartDomain() {
   ServiceContext context;
   context.store = store_.get();
   context.sessions = sessions_.get();
+  context.answered = &answered_;
   context.maps = maps_.get();
   context.metrics = &metrics_;
   context.requests = &request_log_;

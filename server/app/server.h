@@ -95,6 +95,7 @@ class Server {
   ServerMetrics metrics_;
   RequestLog request_log_;
   std::unique_ptr<SessionManager> sessions_;
+  AnsweredQueries answered_;
   std::unique_ptr<MapCache> maps_;
   const Credentials credentials_;
   std::unique_ptr<Services> services_;

@@ -1,15 +1,19 @@
 #include "server/app/token_command.h"
 
+#include <chrono>
 #include <ctime>
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "mapstore/base/clock.h"
 #include "mapstore/base/standard_output.h"
 #include "mapstore/base/table.h"
 #include "mapstore/base/usage.h"
@@ -23,7 +27,8 @@ using Json = nlohmann::json;
 
 constexpr char kFooter[] =
     "Examples:\n"
-    "  maploc-server token create --store campus.maploc --role robot --robot rover-1 --map yard\n"
+    "  maploc-server token create --store campus.maploc --role robot --robot rover-1 --map yard "
+    "--expires 90d\n"
     "  maploc-server token list --store campus.maploc\n"
     "  maploc-server token revoke --store campus.maploc --id 3f9c0d52b7e841a6\n"
     "\n"
@@ -32,11 +37,15 @@ constexpr char kFooter[] =
     "or\n"
     "discards sessions. A change is in force within a second, without a restart.\n";
 
+// A hundred years: what is later has no place in 64 bits of nanoseconds.
+constexpr std::int64_t kLongestLifetimeS = 36500ll * 86400;
+
 struct Flags {
   std::string store;
   bool json = false;
   std::string role;
   Grant grant;
+  std::int64_t lifetime_s = 0;  // 0: for ever
   std::string id;
 };
 
@@ -55,6 +64,12 @@ std::string JoinMaps(const std::vector<std::string>& maps) {
   return maps.empty() ? "all" : text;
 }
 
+std::string ExpiryText(const TokenRecord& record) {
+  if (!record.expires_unix_ns) return "never";
+  const bool is_over = SystemClock().NowUnixNanos() >= *record.expires_unix_ns;
+  return Time(*record.expires_unix_ns) + (is_over ? " (over)" : "");
+}
+
 Json RecordJson(const std::string& id, const TokenRecord& record) {
   const Grant& grant = record.grant;
   return {{"id", id},
@@ -62,6 +77,7 @@ Json RecordJson(const std::string& id, const TokenRecord& record) {
           {"robot", grant.robot.empty() ? Json() : Json(grant.robot)},
           {"maps", grant.maps},
           {"created", Time(record.created_unix_ns)},
+          {"expires", record.expires_unix_ns ? Json(Time(*record.expires_unix_ns)) : Json()},
           {"revoked", record.revoked_unix_ns ? Json(Time(*record.revoked_unix_ns)) : Json()}};
 }
 
@@ -73,7 +89,9 @@ Status Create(const Flags& flags) {
   }
   Grant grant = flags.grant;
   grant.role = RoleFromName(flags.role).value();
-  MAPLOC_ASSIGN_OR_RETURN(const Token token, TokenFile(flags.store).Create(grant));
+  std::optional<std::chrono::seconds> lifetime;
+  if (flags.lifetime_s > 0) lifetime.emplace(flags.lifetime_s);
+  MAPLOC_ASSIGN_OR_RETURN(const Token token, TokenFile(flags.store).Create(grant, lifetime));
   if (flags.json) {
     std::cout << Json{{"id", token.id}, {"token", TokenText(token)}}.dump(2) << "\n";
     return Status::Ok();
@@ -88,11 +106,11 @@ Status List(const Flags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const std::optional<TokenRecords> found, TokenFile(flags.store).Read());
   const TokenRecords records = found.value_or(TokenRecords());
   Json json = Json::array();
-  Table table({"id", "role", "robot", "maps", "created", "revoked"});
+  Table table({"id", "role", "robot", "maps", "created", "expires", "revoked"});
   for (const auto& [id, record] : records) {
     json.push_back(RecordJson(id, record));
     table.AddRow({id, std::string(RoleName(record.grant.role)), record.grant.robot,
-                  JoinMaps(record.grant.maps), Time(record.created_unix_ns),
+                  JoinMaps(record.grant.maps), Time(record.created_unix_ns), ExpiryText(record),
                   record.revoked_unix_ns ? Time(*record.revoked_unix_ns) : ""});
   }
   if (flags.json) {
@@ -134,6 +152,13 @@ void AddCreate(CLI::App& app, Flags& flags, Work* chosen) {
       ->required()
       ->check(CLI::IsMember({"robot", "operator", "viewer"}));
   create->add_option("--robot", flags.grant.robot, "The name under which the robot works");
+  create
+      ->add_option("--expires", flags.lifetime_s,
+                   "How long the token is good: 90d, 12h, 30m, 45s; left out: for ever")
+      ->transform(CLI::AsNumberWithUnit(
+          std::map<std::string, std::int64_t>{{"s", 1}, {"m", 60}, {"h", 3600}, {"d", 86400}},
+          CLI::AsNumberWithUnit::UNIT_REQUIRED, "TIME"))
+      ->check(CLI::Range(std::int64_t{1}, kLongestLifetimeS));
   create->add_option("--map", flags.grant.maps, "A map that the token is for, repeated; none: all")
       ->take_all();
   create->callback([&flags, chosen] {

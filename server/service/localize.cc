@@ -3,6 +3,8 @@
 #include "proto/convert/convert.h"
 #include "server/pipeline/localizer.h"
 #include "server/service/handlers.h"
+#include "server/service/payload_hash.h"
+#include "server/sessions/map_version.h"
 
 namespace maploc {
 namespace {
@@ -16,19 +18,24 @@ Status CheckMap(const Query& query, const Session& session) {
   return InvalidArgument("map", "the session is on map '" + session.map.name + "'", "MAP_MISMATCH");
 }
 
-Observation Observe(const Localization& localization, const Clock& clock) {
+Observation Observe(const Localization& localization, const Query& query, const Clock& clock) {
   Observation observation;
   observation.segment = localization.segment;
   observation.outcome = localization.outcome;
   observation.evidence = localization.evidence;
   observation.total_ms = localization.times.total_ms;
   observation.time_unix_ns = clock.NowUnixNanos();
+  observation.request_id = query.request_id;
   return observation;
 }
 
 Result<MapCache::Snapshot> MapOf(const ServiceContext& context, const Query& query,
                                  const std::optional<SessionManager::Lease>& lease) {
-  return lease ? context.maps->Get(lease->session().map) : context.maps->Enabled(query.map);
+  Result<MapCache::Snapshot> map =
+      lease ? context.maps->Get(lease->session().map) : context.maps->Enabled(query.map);
+  if (!map.ok()) return map;
+  MAPLOC_RETURN_IF_ERROR(RequireMapVersion((*map)->info.key, query.map_version));
+  return map;
 }
 
 // A version that was deleted while it was open has segments no more: then the one in its place.
@@ -61,6 +68,30 @@ void TellAnswer(const Localization& answer, RequestFacts& facts) {
   facts.times = answer.times;
 }
 
+// Nullopt: outside of any session. The lease keeps the session open until the observation is
+// recorded.
+Result<std::optional<SessionManager::Lease>> Enter(const ServiceContext& context, const Call& call,
+                                                   const Query& query) {
+  std::optional<SessionManager::Lease> lease;
+  if (query.session.empty()) {
+    MAPLOC_RETURN_IF_ERROR(call.caller.CheckLocalize(query.map));
+    return lease;
+  }
+  MAPLOC_ASSIGN_OR_RETURN(SessionManager::Lease entered, context.sessions->Enter(query.session));
+  lease.emplace(std::move(entered));
+  MAPLOC_RETURN_IF_ERROR(call.caller.CheckLocalizeIn(lease->session()));
+  TellSession(lease->session(), *call.facts);
+  MAPLOC_RETURN_IF_ERROR(CheckMap(query, lease->session()));
+  return lease;
+}
+
+// Only what counts is to be kept from counting twice.
+Result<AnsweredQueries::Turn> TakeTurn(const ServiceContext& context,
+                                       const v1::LocalizeRequest& request) {
+  if (request.session_id().empty() || request.request_id().empty()) return AnsweredQueries::Turn();
+  return context.answered->Begin(request.session_id(), request.request_id(), PayloadHash(request));
+}
+
 }  // namespace
 
 Status HandleLocalize(const ServiceContext& context, const Call& call,
@@ -71,16 +102,12 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   MAPLOC_ASSIGN_OR_RETURN(const Query query, QueryFromProto(request));
   TellQuery(query, *call.facts);
   const double convert_ms = MillisecondsSince(start, *context.clock);
-  // The lease keeps the session open until the observation is recorded.
-  std::optional<SessionManager::Lease> lease;
-  if (!query.session.empty()) {
-    MAPLOC_ASSIGN_OR_RETURN(SessionManager::Lease entered, context.sessions->Enter(query.session));
-    lease.emplace(std::move(entered));
-    MAPLOC_RETURN_IF_ERROR(call.caller.CheckLocalizeIn(lease->session()));
-    TellSession(lease->session(), *call.facts);
-    MAPLOC_RETURN_IF_ERROR(CheckMap(query, lease->session()));
-  } else {
-    MAPLOC_RETURN_IF_ERROR(call.caller.CheckLocalize(query.map));
+  MAPLOC_ASSIGN_OR_RETURN(std::optional<SessionManager::Lease> lease, Enter(context, call, query));
+  MAPLOC_ASSIGN_OR_RETURN(AnsweredQueries::Turn turn, TakeTurn(context, request));
+  if (turn.repeated() != nullptr) {
+    TellAnswer(*turn.repeated(), *call.facts);
+    LocalizationToProto(query, *turn.repeated(), request.include_matches(), response);
+    return Status::Ok();
   }
   MAPLOC_ASSIGN_OR_RETURN(MapCache::Snapshot map, MapOf(context, query, lease));
   const double load_ms = MillisecondsSince(start, *context.clock) - convert_ms;
@@ -91,8 +118,10 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   answer.times.total_ms = MillisecondsSince(start, *context.clock);
   TellAnswer(answer, *call.facts);
   context.metrics->CountAnswer(answer);
-  if (lease) MAPLOC_RETURN_IF_ERROR(lease->Record(Observe(answer, *context.clock)));
+  if (lease) MAPLOC_RETURN_IF_ERROR(lease->Record(Observe(answer, query, *context.clock)));
   LocalizationToProto(query, answer, request.include_matches(), response);
+  if (!request.include_matches()) answer.matches = {};
+  turn.Keep(std::move(answer));
   return Status::Ok();
 }
 

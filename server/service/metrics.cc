@@ -36,9 +36,6 @@ prometheus::Gauge& OneGauge(prometheus::Registry& registry, const char* name, co
   return prometheus::BuildGauge().Name(name).Help(help).Register(registry).Add({});
 }
 
-// Reasons are words of this program, but it is not told here how many.
-constexpr std::size_t kMaxReasonLabels = 100;
-
 // Values of a label: the first `most` that come. Thread-safe.
 class Values {
  public:
@@ -47,7 +44,7 @@ class Values {
   std::string Of(const std::string& value) {
     const std::lock_guard lock(mutex_);
     if (known_.contains(value)) return value;
-    if (known_.size() >= most_) return kOtherMaps;
+    if (known_.size() >= most_) return kOther;
     return *known_.insert(value).first;
   }
 

@@ -14,9 +14,10 @@
 
 namespace maploc {
 
-// The label of maps beyond the first kMaxMapLabels: the number of time series stays bounded.
-inline constexpr char kOtherMaps[] = "(other)";
+// The label of maps and reasons beyond the first so many: the number of time series stays bounded.
+inline constexpr char kOther[] = "(other)";
 inline constexpr std::size_t kMaxMapLabels = 200;
+inline constexpr std::size_t kMaxReasonLabels = 100;
 
 // Read when somebody scrapes.
 struct ServerState {

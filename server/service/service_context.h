@@ -12,6 +12,7 @@
 #include "server/pipeline/localizer.h"
 #include "server/service/metrics.h"
 #include "server/service/request_log.h"
+#include "server/sessions/answered_queries.h"
 #include "server/sessions/map_cache.h"
 #include "server/sessions/session_manager.h"
 
@@ -21,6 +22,7 @@ namespace maploc {
 struct ServiceContext {
   MapStore* store = nullptr;
   SessionManager* sessions = nullptr;
+  AnsweredQueries* answered = nullptr;
   MapCache* maps = nullptr;
   ServerMetrics* metrics = nullptr;
   RequestLog* requests = nullptr;

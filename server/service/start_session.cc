@@ -15,9 +15,10 @@ Status HandleStartSession(const ServiceContext& context, const Call& call,
   MAPLOC_RETURN_IF_ERROR(call.caller.CheckStart(wanted.map, wanted.robot));
   // In memory before the first query, which then does not pay for the loading.
   MAPLOC_ASSIGN_OR_RETURN(const MapCache::Snapshot map, context.maps->Enabled(wanted.map));
-  MAPLOC_ASSIGN_OR_RETURN(const Session session,
-                          context.sessions->Start({map->info.key, wanted.robot,
-                                                   std::move(wanted.labels), wanted.request_id}));
+  MAPLOC_ASSIGN_OR_RETURN(
+      const Session session,
+      context.sessions->Start({map->info.key, wanted.robot, std::move(wanted.labels),
+                               wanted.request_id, wanted.map_version}));
   spdlog::info("session {} of robot '{}' starts on map '{}' version {}", session.id, session.robot,
                session.map.name, session.map.version);
   call.facts->session = session.id;

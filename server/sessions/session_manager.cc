@@ -5,6 +5,7 @@
 
 #include "mapstore/base/wait_limit.h"
 #include "mapstore/store/validation.h"
+#include "server/sessions/map_version.h"
 #include "server/sessions/open_session.h"
 #include "server/sessions/session_id.h"
 
@@ -135,6 +136,8 @@ Result<Session> SessionManager::Start(const NewSession& request) {
   ForgetOldRequests();
   // Before room is made: a repeated start needs none, and must not be refused by a full server.
   MAPLOC_ASSIGN_OR_RETURN(std::optional<Session> repeated, FindRepeated(request));
+  const MapKey& map = repeated ? repeated->map : request.map;
+  MAPLOC_RETURN_IF_ERROR(RequireMapVersion(map, request.required_version));
   if (repeated) return *std::move(repeated);
   MAPLOC_RETURN_IF_ERROR(MakeRoom(request.robot));
   return StartNew(request);

@@ -48,7 +48,8 @@ struct NewSession {
   MapKey map;
   std::string robot;
   std::map<std::string, std::string> labels;
-  std::string request_id;  // may be empty: then every start is a new session
+  std::string request_id;             // may be empty: then every start is a new session
+  std::int64_t required_version = 0;  // of the map; 0: any
 };
 
 // Labels under this prefix are the server's own; the request's id stands there so that a repeated
@@ -69,7 +70,9 @@ class SessionManager {
     ~Lease();
 
     const Session& session() const;
-    // The query's observation; its sequence is given here. INTERNAL for one that no store takes (a
+    // The query's observation; its sequence is given here. One with the request_id of another
+    // counts
+    // nothing. INTERNAL for one that no store takes (a
     // number that is not finite): it would keep its whole session from being written and ended.
     // REQUIRES: called at most once.
     Status Record(Observation observation);
@@ -92,7 +95,8 @@ class SessionManager {
   SessionManager& operator=(const SessionManager&) = delete;
 
   // Repeated with the same robot and request_id within a day it gives the same session. Errors:
-  // FAILED_PRECONDITION (REQUEST_ID_REUSED) for another map's name or when that session has ended;
+  // FAILED_PRECONDITION (REQUEST_ID_REUSED) for another map's name or when that session has ended,
+  // (MAP_VERSION_MISMATCH) where the session is or would be on another version than the required;
   // INVALID_ARGUMENT (RESERVED_LABEL); RESOURCE_EXHAUSTED (TOO_MANY_SESSIONS); the store's, also
   // STORE_BUSY where other starts last longer than the thread's WaitLimit.
   Result<Session> Start(const NewSession& request);

@@ -17,7 +17,9 @@ class ForwardingStore : public MapStore {
   Result<MapSummary> GetMap(const std::string& name) const override { return store_->GetMap(name); }
   Result<MapSummary> GetMap(const MapKey& key) const override { return store_->GetMap(key); }
   Result<std::vector<MapSummary>> ListVersions() const override { return store_->ListVersions(); }
-  Status EnableVersion(const MapKey& key) override { return store_->EnableVersion(key); }
+  Status EnableVersion(const MapKey& key, KeptVersions keep) override {
+    return store_->EnableVersion(key, keep);
+  }
   Status DeleteVersion(const MapKey& key) override { return store_->DeleteVersion(key); }
   Result<std::vector<SegmentSummary>> ListSegments(const MapKey& key) const override {
     return store_->ListSegments(key);

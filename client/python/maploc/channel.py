@@ -1,4 +1,4 @@
-"""Calls with a deadline, repeated where that is safe. Only for client.py."""
+"""Calls with a deadline, repeated until then. Only for client.py."""
 
 import os
 import random
@@ -18,6 +18,7 @@ _REASON = "maploc-reason"
 _PUSHBACK = "grpc-retry-pushback-ms"  # gRFC A6
 _MAX_ATTEMPTS = 4
 _FIRST_BACKOFF_SECONDS = 0.1  # doubles an attempt
+_CALL_RATE_WAIT_SECONDS = 1.0
 _LONGEST_WAIT_SECONDS = 2.0  # a server that asks for more is not waited for: its refusal is raised
 # A server that starts again is found within seconds, not after gRPC's default of two minutes; what gRPC calls the
 # least backoff is the time that one attempt to connect may take.
@@ -53,18 +54,18 @@ class Channel:
             roots = grpc.ssl_channel_credentials(_read(root_certificates))
             self.grpc = grpc.secure_channel(address, roots, options)
 
-    def call(self, method: Callable[..., Response], request: Any, *, safe: bool) -> Response:
-        """The answer. `safe`: the call may be repeated although the server may have seen it."""
+    def call(self, method: Callable[..., Response], request: Any) -> Response:
+        """The answer. The call must be safe to repeat although the server may have seen it."""
+        deadline = time.monotonic() + self._timeout_seconds
         attempt, backoff = 1, _FIRST_BACKOFF_SECONDS
         while True:
             try:
-                return method(request, timeout=self._timeout_seconds, metadata=self._metadata)
+                return method(request, timeout=deadline - time.monotonic(), metadata=self._metadata)
             except grpc.RpcError as error:
-                wait = _wait_seconds(error, safe, backoff)
-                if wait is None or attempt == _MAX_ATTEMPTS:
+                wait = _wait_seconds(error, backoff)
+                if wait is None or attempt == _MAX_ATTEMPTS or time.monotonic() + wait >= deadline:
                     raise self._error_of(error) from None
-            # Robots that were refused together must not come back together: up to a quarter more.
-            time.sleep(wait * random.uniform(1, 1.25))
+            time.sleep(wait)
             attempt, backoff = attempt + 1, backoff * 2
 
     def _error_of(self, error: Any) -> MaplocError:
@@ -73,6 +74,8 @@ class Channel:
         if reason is not None:
             # The service repeats its reason behind the message, for tools that show nothing else.
             return MaplocError(code, reason, details.removesuffix(f" ({reason})"))
+        if _is_call_rate(error):
+            return MaplocError(code, "CALL_RATE", details.removesuffix(" (CALL_RATE)"))
         if code == "DEADLINE_EXCEEDED":
             details += f" (no answer within {self._timeout_seconds:g} s)"
         proxy, cure = proxy_in_use(self.address) if code in ("UNAVAILABLE", "DEADLINE_EXCEEDED") else "", ""
@@ -81,16 +84,26 @@ class Channel:
         return MaplocError(code, code, f"server {self.address}: {details}", cure=cure)
 
 
-def _wait_seconds(error: Any, safe: bool, backoff: float) -> float | None:
-    """How long to wait before a failed call is made again; None: it is not.
-
-    A refusal with a retry time was given before the call began, so that a repetition is safe whatever was called.
-    """
+def _wait_seconds(error: Any, backoff: float) -> float | None:
+    """How long to wait before a failed call is made again; None: it is not."""
     pushback = _trailer(error, _PUSHBACK)
+    wait = backoff
     if pushback is not None and pushback.isascii() and pushback.isdecimal():
-        wait = int(pushback) / 1000
-        return max(wait, backoff) if wait <= _LONGEST_WAIT_SECONDS else None
-    return backoff if safe and error.code() == grpc.StatusCode.UNAVAILABLE else None
+        wait = max(int(pushback) / 1000, backoff)
+        if int(pushback) / 1000 > _LONGEST_WAIT_SECONDS:
+            return None
+    elif _is_call_rate(error):
+        wait = max(_CALL_RATE_WAIT_SECONDS, backoff)
+    elif error.code() != grpc.StatusCode.UNAVAILABLE:
+        return None
+    # Robots that were refused together must not come back together: up to a quarter more.
+    return wait * random.uniform(1, 1.25)
+
+
+def _is_call_rate(error: Any) -> bool:
+    """A connection with too many calls is refused where gRPC sends no trailing metadata: the text alone says so."""
+    details = error.details() or ""
+    return error.code() == grpc.StatusCode.RESOURCE_EXHAUSTED and details.endswith(" (CALL_RATE)")
 
 
 def _trailer(error: Any, key: str) -> str | None:

@@ -27,9 +27,8 @@ _DEFAULT = QueryOptions()
 class Client:
     """One connection to one server. Every call has a deadline; errors are MaplocError. Thread-safe.
 
-    A call that fails is repeated only where that is safe: after UNAVAILABLE reads, queries outside of sessions, the
-    start and the end of sessions; and every call that the server refused before it began and asked to repeat (a full
-    queue).
+    A call is repeated until its deadline after UNAVAILABLE, and where the server asks for it (a full queue). Every call
+    of this client is safe to repeat; a query in a session counts once, by its request_id.
     """
 
     def __init__(
@@ -44,7 +43,7 @@ class Client:
 
         Args:
             address: "HOST:PORT". A server on this machine is reached without the environment's proxy.
-            timeout_seconds: of each attempt.
+            timeout_seconds: of a call with its repetitions.
             root_certificates: a PEM file. Given, the connection uses TLS and trusts these alone.
             token: sent with each call as `authorization: Bearer TOKEN`. Beyond this machine it takes TLS.
         """
@@ -56,20 +55,20 @@ class Client:
 
     def maps(self) -> list[Map]:
         """All maps, by name."""
-        response = self._channel.call(self._maps.ListMaps, ListMapsRequest(), safe=True)
+        response = self._channel.call(self._maps.ListMaps, ListMapsRequest())
         return [wire.map_of(message) for message in response.maps]
 
     def map(self, name: str) -> Map:
         """One map."""
         with wire.sent_text():
             request = GetMapRequest(map=name)
-        return wire.map_of(self._channel.call(self._maps.GetMap, request, safe=True).map)
+        return wire.map_of(self._channel.call(self._maps.GetMap, request).map)
 
     def segments(self, map_name: str) -> list[Segment]:
         """A map's segments with their statistics."""
         with wire.sent_text():
             request = ListSegmentsRequest(map=map_name)
-        response = self._channel.call(self._maps.ListSegments, request, safe=True)
+        response = self._channel.call(self._maps.ListSegments, request)
         return [wire.segment_of(message) for message in response.segments]
 
     def localize(
@@ -85,7 +84,7 @@ class Client:
         request = wire.localize_request(view, gravity, prior, options)
         with wire.sent_text():
             request.map = map_name
-        return wire.localization_of(self._channel.call(self._localization.Localize, request, safe=True), view)
+        return wire.localization_of(self._channel.call(self._localization.Localize, request), view)
 
     def localize_photo(
         self,
@@ -102,7 +101,9 @@ class Client:
         view = make_view(photo, camera, self.map(map_name), camera_from_body=camera_from_body)
         return self.localize(map_name, view, gravity=gravity, prior=prior, options=options)
 
-    def session(self, map_name: str, robot: str, labels: Mapping[str, str] | None = None) -> "Session":
+    def session(
+        self, map_name: str, robot: str, labels: Mapping[str, str] | None = None, *, map_version: int = 0
+    ) -> "Session":
         """Starts a session, in which queries count in the statistics of the map's segments.
 
             with client.session("yard", "cart-7", {"season": "autumn"}) as session:
@@ -112,11 +113,15 @@ class Client:
             map_name: the map; the session stays on the version that is enabled now.
             robot: the robot's name, at most 128 bytes.
             labels: free, at most 32.
+            map_version: the version that the map must have: FAILED_PRECONDITION (MAP_VERSION_MISMATCH) where robots
+                get another one. 0: whichever is enabled.
         """
         map_info = self.map(map_name)
         with wire.sent_text():
-            request = StartSessionRequest(map=map_name, robot=robot, labels=labels, request_id=uuid.uuid4().hex)
-        started = self._channel.call(self._localization.StartSession, request, safe=True)
+            request = StartSessionRequest(
+                map=map_name, robot=robot, labels=labels, request_id=uuid.uuid4().hex, map_version=map_version
+            )
+        started = self._channel.call(self._localization.StartSession, request)
         return Session(self, started.session_id, map_info)
 
     def end_session(self, session_id: str, *, discard: bool = False) -> SessionSummary:
@@ -129,15 +134,16 @@ class Client:
         """
         with wire.sent_text():
             request = EndSessionRequest(session_id=session_id, discard=discard)
-        return wire.summary_of(self._channel.call(self._localization.EndSession, request, safe=True))
+        return wire.summary_of(self._channel.call(self._localization.EndSession, request))
 
     def _localize_in_session(
         self, session_id: str, view: View, gravity: Gravity | None, prior: Prior | None, options: QueryOptions
     ) -> Localization:
         request = wire.localize_request(view, gravity, prior, options)
         request.session_id = session_id
-        # The query may have been counted although its answer was lost.
-        return wire.localization_of(self._channel.call(self._localization.Localize, request, safe=False), view)
+        # A lost answer does not tell whether the query was counted: by its id it is so once.
+        request.request_id = request.request_id or uuid.uuid4().hex
+        return wire.localization_of(self._channel.call(self._localization.Localize, request), view)
 
     def close(self) -> None:
         """Closes the connection. Sessions stay open on the server until they are ended, or idle for long."""

@@ -156,11 +156,14 @@ class QueryOptions:
     Attributes:
         capture_unix_nanos: when the image was taken, nanoseconds since the Unix epoch; returned with the answer. 0:
             unknown.
-        request_id: the caller's name for the query, at most 128 bytes; returned with the answer.
+        request_id: the caller's name for the query, at most 128 bytes; returned with the answer. Each query of a
+            session needs its own: sent again it counts once. "" in a session: chosen for each call.
         include_matches: the answer holds the matches, to draw them.
         strategy: None: the one that the server recorded for the segment.
         refinement: how the pose is refined.
         max_error_pixels: up to so many pixels a feature agrees with a pose, 0.1 to 1000. None: the server's threshold.
+        map_version: the version that the map must have: FAILED_PRECONDITION (MAP_VERSION_MISMATCH) where the answer
+            would be in another one. 0: whichever it is.
     """
 
     capture_unix_nanos: int = 0
@@ -169,7 +172,10 @@ class QueryOptions:
     strategy: Strategy | None = None
     refinement: Refinement = Refinement.AUTO
     max_error_pixels: float | None = None
+    map_version: int = 0
 
     def __post_init__(self) -> None:
         if not 0 <= self.capture_unix_nanos < 2**63:
             invalid("options.capture_unix_nanos", "must be nanoseconds since 1970, not negative", "OUT_OF_RANGE")
+        if not 0 <= self.map_version < 2**63:
+            invalid("options.map_version", "must not be negative; 0 takes any", "OUT_OF_RANGE")

@@ -38,6 +38,7 @@ def localize_request(
         request.request_id = options.request_id
     request.capture_unix_nanos = options.capture_unix_nanos
     request.include_matches = options.include_matches
+    request.map_version = options.map_version
     request.refinement = localization_service_pb2.RefinementMode.ValueType(options.refinement)
     if options.strategy is not None:
         request.strategy = types_pb2.Strategy.ValueType(options.strategy)

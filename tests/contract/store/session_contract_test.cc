@@ -71,6 +71,27 @@ TEST_P(SessionContract, AnObservationIsKeptOnceAndWhole) {
   EXPECT_EQ(kept[1].segment, -1);
 }
 
+Observation Named(const std::string& request_id, std::int64_t sequence) {
+  Observation observation = Seen(sequence, 0);
+  observation.request_id = request_id;
+  return observation;
+}
+
+TEST_P(SessionContract, AQueryThatWasAnsweredTwiceCountsOnce) {
+  const MapKey key = GiveMap(*store_);
+  for (const char* id : {"a", "b"}) Start(id, key);
+  ASSERT_TRUE(Append(*store_, "a", {Named("q", 1), Named("q", 2), Named("other", 3)}).ok());
+  ASSERT_TRUE(Append(*store_, "a", {Named("q", 4), Named("", 5), Named("", 6)}).ok());
+  ASSERT_TRUE(Append(*store_, "b", {Named("q", 1)}).ok());
+  const auto kept = store_->ListObservations("a").value();
+  ASSERT_THAT(kept, SizeIs(4));
+  EXPECT_EQ(kept[0].sequence, 1);
+  EXPECT_EQ(kept[0].request_id, "q");
+  EXPECT_EQ(End("a", {Named("q", 7), Named("other", 8), Named("late", 9)}).queries, 5);
+  EXPECT_EQ(End("b").queries, 1);
+  EXPECT_TRUE(store_->Verify().ok()) << store_->Verify().ToString();
+}
+
 TEST_P(SessionContract, EveryOutcomeIsKeptAndOnlyOneIsLocalized) {
   const MapKey key = GiveMap(*store_);
   Start("s", key);

@@ -20,7 +20,7 @@ class VersionContract : public LearningContract {
     for (SegmentId id = 0; id < kSegments; ++id) {
       EXPECT_TRUE(writer->AddSegment(YardSegment(id)).ok());
     }
-    EXPECT_TRUE(writer->CommitStaged().ok());
+    EXPECT_TRUE(writer->Commit({.enable = false, .keep_versions = {}}).ok());
     return writer->key();
   }
   MapKey Enabled(const std::string& name = "yard") { return store_->GetMap(name)->info.key; }
@@ -135,6 +135,47 @@ TEST_P(VersionContract, WhatIsInUseIsNotDeleted) {
   EXPECT_TRUE(store_->LoadSegment(first_, 0).ok());
   End("open");
   EXPECT_TRUE(store_->DeleteVersion(first_).ok());
+}
+
+using Kept = std::vector<std::pair<std::int64_t, bool>>;
+
+TEST_P(VersionContract, OlderVersionsGoWhenTheNextOneIsEnabled) {
+  Drive("taught", second_);
+  auto writer = store_->BeginImport(YardInfo()).value();
+  ASSERT_TRUE(writer->AddSegment(YardSegment(0)).ok());
+  ASSERT_TRUE(writer->AddSegment(YardSegment(1)).ok());
+  ASSERT_TRUE(writer->Commit({.enable = true, .keep_versions = 1}).ok());
+  EXPECT_EQ(Versions(), (Kept{{2, false}, {3, true}}));
+  EXPECT_EQ(At({"yard", 3}, 1).statistics.queries, 2) << "what a kept or deleted one taught stays";
+
+  const MapKey staged = Stage("yard");
+  ASSERT_TRUE(store_->EnableVersion(staged, 0).ok());
+  EXPECT_EQ(Versions(), (Kept{{4, true}}));
+  EXPECT_EQ(At(staged, 1).statistics.queries, 2);
+  ExpectVerified();
+}
+
+// A rollback goes to the version that was enabled last: this one is kept first.
+TEST_P(VersionContract, WhatWasEnabledLastIsKeptFirst) {
+  const MapKey never = Stage("yard");
+  ASSERT_TRUE(store_->EnableVersion(first_).ok());
+  const MapKey fourth = GiveMap(*store_, "yard", kSegments);
+  ASSERT_TRUE(store_->EnableVersion(fourth, 2).ok());
+  EXPECT_EQ(Versions(), (Kept{{1, false}, {2, false}, {4, true}})) << "of " << never.version;
+  ASSERT_TRUE(store_->EnableVersion(fourth, 1).ok());
+  EXPECT_EQ(Versions(), (Kept{{1, false}, {4, true}}));
+}
+
+TEST_P(VersionContract, NeitherNewerOnesNorThoseInUseNorOtherMapsGo) {
+  const MapKey garden = GiveMap(*store_, "garden", kSegments);
+  ASSERT_TRUE(store_->EnableVersion(garden).ok());
+  Start("open", first_);
+  const MapKey staged = Stage("yard");
+  ASSERT_TRUE(store_->EnableVersion(second_, 0).ok());
+  EXPECT_EQ(Versions(), (Kept{{1, true}, {1, false}, {2, true}, {staged.version, false}}));
+  End("open");
+  ASSERT_TRUE(store_->EnableVersion(second_, 0).ok());
+  EXPECT_EQ(Versions(), (Kept{{1, true}, {2, true}, {staged.version, false}}));
 }
 
 }  // namespace

@@ -59,6 +59,18 @@ TEST_F(TokenCommandTest, AreMadeListedAndRevoked) {
   EXPECT_FALSE(revoked["revoked"].is_null());
 }
 
+TEST_F(TokenCommandTest, ATokenExpiresWhereItIsAskedTo) {
+  const std::string forever = Create("--role viewer")["id"];
+  Create("--role viewer --expires 90d");
+  const Json listed = List();
+  ASSERT_EQ(listed.size(), 2u);
+  for (const Json& token : listed) EXPECT_EQ(token["expires"].is_null(), token["id"] == forever);
+  EXPECT_THAT(Token("list").out, HasSubstr("never"));
+  for (const char* wrong : {"90", "0d", "-1d", "soon", "99999999999999d", "1y"}) {
+    EXPECT_EQ(Token("create --role viewer --expires " + std::string(wrong)).exit_code, 2) << wrong;
+  }
+}
+
 TEST_F(TokenCommandTest, TheSecretIsShownOnceAndKeptNowhere) {
   const Output run = Token("create --role robot --robot rover");
   ASSERT_EQ(run.exit_code, 0) << run.error;

@@ -87,6 +87,30 @@ TEST_F(TokenTest, AGreedyRobotTakesNoOtherRobotsShareOfTheQueue) {
   for (std::thread& connection : connections) connection.join();
 }
 
+TEST_F(TokenTest, ATokenIsGoodUntilItExpires) {
+  const TokenFile file(options_.store);
+  const Grant grant{Role::kViewer, "", {}};
+  const std::string brief = TokenText(file.Create(grant, std::chrono::seconds(2)).value());
+  const std::string lasting = TokenText(file.Create(grant, std::chrono::hours(1)).value());
+  StartServer();
+  const Client client = ConnectAs(brief);
+  EXPECT_TRUE(client.ListMaps().ok());
+  EXPECT_TRUE(
+      WaitFor([&] { return Code(client.ListMaps().status()) == "UNAUTHENTICATED TOKEN_EXPIRED"; }));
+  EXPECT_TRUE(ConnectAs(lasting).ListMaps().ok());
+}
+
+// A file that was damaged must not make a token eternal.
+TEST_F(TokenTest, AnEndThatIsNoTimeIsRefused) {
+  const TokenFile file(options_.store);
+  ASSERT_TRUE(file.Create({Role::kViewer, "", {}}, std::chrono::hours(1)).ok());
+  std::string text = ReadFile(file.path());
+  const std::string field = "\"expires_unix_ns\":";
+  text.insert(text.find(field) + field.size(), "\"x\",\"y\":");
+  folder_.Write("store-tokens", text);
+  EXPECT_EQ(RefusedStart().reason(), "INVALID_FILE");
+}
+
 TEST_F(TokenTest, ARobotWorksUnderItsNameOnItsMapsInItsSessions) {
   const Client rover_token_user = [this] {
     const std::string token = NewToken(Role::kRobot, "rover", {"street"});

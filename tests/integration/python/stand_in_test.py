@@ -4,6 +4,7 @@ import pathlib
 import subprocess
 import tempfile
 import threading
+import time
 import unittest
 from collections.abc import Iterable
 from concurrent import futures
@@ -111,13 +112,39 @@ class StandInTest(unittest.TestCase):
             self.client(stand_in).localize("yard", VIEW)
         self.assertEqual(len(stand_in.requests), 4)
 
-    def test_a_lost_query_in_a_session_is_not_repeated(self) -> None:
+    def test_a_lost_query_in_a_session_is_repeated_by_its_id(self) -> None:
         stand_in = StandIn()
         with self.client(stand_in).session("yard", "cart") as session:
             stand_in.failures = [UNAVAILABLE]
-            with self.assertRaises(maploc.MaplocError):
-                session.localize(VIEW)
-        self.assertEqual([type(request) for request in stand_in.requests].count(pb.LocalizeRequest), 1)
+            session.localize(VIEW)
+            session.localize(VIEW, options=maploc.QueryOptions(request_id="mine"))
+        first, second, mine = [request for request in stand_in.requests if isinstance(request, pb.LocalizeRequest)]
+        self.assertNotEqual(first.request_id, "")
+        self.assertEqual(first, second)
+        self.assertEqual(mine.request_id, "mine")
+
+    def test_the_time_of_a_call_holds_for_its_repetitions_too(self) -> None:
+        stand_in = StandIn([UNAVAILABLE] * 3)
+        begin = time.monotonic()
+        with self.assertRaisesRegex(maploc.MaplocError, "lost"):
+            self.client(stand_in, timeout_seconds=0.25).localize("yard", VIEW)
+        self.assertLess(time.monotonic() - begin, 1.0)
+        self.assertLess(len(stand_in.requests), 4)
+
+    def test_too_many_calls_on_a_connection_are_repeated_later(self) -> None:
+        stand_in = StandIn([(grpc.StatusCode.RESOURCE_EXHAUSTED, "too many calls (CALL_RATE)", ())])
+        begin = time.monotonic()
+        self.client(stand_in).localize("yard", VIEW)
+        self.assertGreater(time.monotonic() - begin, 0.9)
+
+    def test_a_version_of_the_map_is_asked_for(self) -> None:
+        stand_in = StandIn()
+        client = self.client(stand_in)
+        client.localize("yard", VIEW, options=maploc.QueryOptions(map_version=4))
+        client.session("yard", "cart", map_version=5)
+        self.assertEqual([request.map_version for request in stand_in.requests], [4, 5])
+        with self.assertRaisesRegex(maploc.MaplocError, "map_version"):
+            maploc.QueryOptions(map_version=-1)
 
     def test_a_repeated_start_is_one_session(self) -> None:
         stand_in = StandIn([UNAVAILABLE])

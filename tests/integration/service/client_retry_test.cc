@@ -37,12 +37,27 @@ TEST_F(ClientRetryTest, ALostStartOpensOneSession) {
   EXPECT_EQ(store_->ListSessions()->front().id, *session);
 }
 
-TEST_F(ClientRetryTest, AQueryThatMayHaveCountedIsNotRepeated) {
+TEST_F(ClientRetryTest, AQueryWhoseAnswerWasLostIsRepeatedAndCountsOnce) {
   const SessionId session = StartSession();
-  front_.to_lose = 1;
-  EXPECT_EQ(lossy_.Localize(QueryAt(2.0, session)).status().code(), StatusCode::kUnavailable);
-  EXPECT_EQ(front_.calls, 1);
-  EXPECT_EQ(client_->EndSession(session)->queries, 1);
+  front_.to_lose = 2;
+  const Result<Localization> answer = lossy_.Localize(QueryAt(2.0, session));
+  ASSERT_TRUE(answer.ok()) << answer.status().ToString();
+  EXPECT_EQ(front_.calls, 3);
+  ASSERT_TRUE(lossy_.Localize(QueryAt(2.0, session)).ok()) << "another call is another query";
+  EXPECT_EQ(client_->EndSession(session)->queries, 2);
+}
+
+TEST_F(ClientRetryTest, TheTimeOfACallHoldsForItsRepetitionsToo) {
+  ClientOptions options;
+  options.call_timeout = std::chrono::milliseconds(1000);
+  options.max_attempts = 100;
+  const Client hasty(front_.Address(), options);
+  front_.to_refuse = 100;
+  front_.pushback_ms = 300;
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(hasty.Localize(QueryAt(2.0)).status().reason(), "QUEUE_FULL");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+  EXPECT_LT(front_.calls, 6);
 }
 
 TEST_F(ClientRetryTest, OutsideOfSessionsAQueryIsRepeated) {

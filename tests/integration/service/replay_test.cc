@@ -90,7 +90,7 @@ TEST_F(ReplayTest, AServerThatNeverAnswersInTimeEndsTheSessionSoon) {
 
 TEST_F(ReplayTest, ASessionThatFailsIsEndedAndDoesNotCount) {
   const Result<ReplayReport> report = Run(*patient_, [&](int answered) {
-    if (answered == 3) front_.to_lose = 1;
+    if (answered == 3) front_.to_lose = ClientOptions().max_attempts;
   });
   const Session session = OnlySession();
   EXPECT_EQ(report.status().code(), StatusCode::kUnavailable);
@@ -105,7 +105,7 @@ TEST_F(ReplayTest, ASessionThatFailsIsEndedAndDoesNotCount) {
 TEST_F(ReplayTest, KeptPartlyItIsReported) {
   options_replay_.keep_partial = true;
   const Result<ReplayReport> report = Run(*patient_, [&](int answered) {
-    if (answered == 3) front_.to_lose = 1;
+    if (answered == 3) front_.to_lose = ClientOptions().max_attempts;
   });
   ASSERT_TRUE(report.ok()) << report.status().ToString();
   EXPECT_EQ(report->entries.size(), 3u);

@@ -51,7 +51,6 @@ class ServiceTest : public ::testing::Test {
     Random random = TestRandom(1000 + repetition);
     Query query = world_.See(DrawnWorld::CameraFromMapAt(x, 0.2), QueryNoise(), random);
     query.session = session;
-    query.request_id = "x=" + std::to_string(x);
     return query;
   }
   static Eigen::Vector3d TruthAt(double x) { return {x, 0.3, 1.5}; }

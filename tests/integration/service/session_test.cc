@@ -2,6 +2,8 @@
 #include <numbers>
 #include <thread>
 
+#include <gmock/gmock.h>
+
 #include "tests/integration/service/service_fixture.h"
 #include "tests/support/wait_for.h"
 
@@ -172,6 +174,29 @@ TEST_F(SessionServiceTest, ASessionStaysOnItsMapVersion) {
   EXPECT_TRUE(WaitFor([&] { return client_->Localize(QueryAt(2.0))->map == newer; }));
   EXPECT_EQ(client_->Localize(QueryAt(2.0, session))->map, map_);
   EXPECT_EQ(client_->GetMap("street")->info.key, newer);
+}
+
+TEST_F(SessionServiceTest, ARobotMayInsistOnAVersion) {
+  const auto expect_mismatch = [](const Status& status, std::int64_t served, std::int64_t wanted) {
+    EXPECT_EQ(status.code(), StatusCode::kFailedPrecondition);
+    EXPECT_EQ(status.reason(), "MAP_VERSION_MISMATCH");
+    EXPECT_THAT(status.message(), ::testing::HasSubstr("version " + std::to_string(served) + ", "));
+    EXPECT_THAT(status.message(), ::testing::HasSubstr("insists on " + std::to_string(wanted)));
+  };
+  const SessionId old_session = client_->StartSession("street", "rover", {}, 1).value();
+  expect_mismatch(client_->StartSession("street", "rover", {}, 2).status(), 1, 2);
+  EXPECT_EQ(store_->ListSessions()->size(), 1u) << "a refused start opens none";
+  const MapKey newer = ImportWorld(world_, store_.get());
+  Query query = QueryAt(2.0);
+  query.map_version = newer.version;
+  EXPECT_TRUE(WaitFor([&] { return client_->Localize(query).ok(); }));
+  query.map_version = 1;
+  expect_mismatch(client_->Localize(query).status(), 2, 1);
+  query.session = old_session;
+  EXPECT_TRUE(client_->Localize(query).ok());
+  query.map_version = newer.version;
+  expect_mismatch(client_->Localize(query).status(), 1, 2);
+  EXPECT_EQ(client_->EndSession(old_session)->queries, 1) << "a refused query counts nothing";
 }
 
 // Its segments are gone from the store before the server has seen the new version.

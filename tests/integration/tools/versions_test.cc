@@ -74,6 +74,27 @@ TEST_F(MapVersions, ASessionOnADeletedOneIsRevoked) {
   EXPECT_EQ(queries(), 0);
 }
 
+TEST_F(MapVersions, OldOnesGoByThemselves) {
+  const std::string import = "import --store $STORE --from " + file_;
+  ASSERT_EQ(Map(import).exit_code, 0);
+  ASSERT_EQ(Map(import).exit_code, 0);
+  EXPECT_EQ(Json(import + " --keep-versions 1").at("deleted_versions"), json({2}))
+      << "version 1 is in use, version 3 was enabled last";
+  EXPECT_EQ(States(), (std::vector<std::string>{"DISABLED", "DISABLED", "ENABLED"}));
+  const Output enable = Map("enable --store $STORE --map yard --version 4 --keep-versions 0");
+  EXPECT_THAT(enable.out, HasSubstr("Version 3 is deleted."));
+  EXPECT_EQ(Map(import + " --keep-versions -1").exit_code, 2);
+  EXPECT_EQ(Map("verify --store $STORE").exit_code, 0);
+}
+
+TEST_F(MapVersions, ADeletedOneGivesItsSpaceBack) {
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_EQ(Map("import --store $STORE --from " + file_).exit_code, 0);
+  }
+  const json report = Json("delete --store $STORE --map yard --version 2");
+  EXPECT_LT(report.at("store_bytes"), report.at("store_bytes_before"));
+}
+
 TEST_F(MapVersions, WhatIsNotThereIsNamed) {
   for (const std::string command :
        {"versions --map nowhere", "rollback --map nowhere", "enable --map nowhere --version 1",

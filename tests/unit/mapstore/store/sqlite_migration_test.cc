@@ -36,6 +36,11 @@ const std::string kMapsOfVersion4 =
     "point_kind_metric, line_kind, line_kind_bytes, line_kind_metric, created_unix_ns, "
     "segment_count, point_count, line_count, usable_line_count";
 
+const std::string kObservationsOfVersion4 =
+    "session, sequence, segment, outcome, point_matches, point_inliers, usable_line_matches, "
+    "usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back, "
+    "iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns";
+
 const std::vector<Given> kOfVersion4 = {
     {"meta"},
     {"map_versions", kMapsOfVersion4},
@@ -45,28 +50,27 @@ const std::vector<Given> kOfVersion4 = {
      "descriptors"},
     {"sessions"},
     {"session_labels"},
-    {"observations",
-     "session, sequence, segment, outcome, point_matches, point_inliers, usable_line_matches, "
-     "usable_line_inliers, vertical_line_matches, vertical_line_inliers, strategy, fell_back, "
-     "iterations, gravity_disagreement_rad, confidence, total_ms, time_unix_ns"},
+    {"observations", kObservationsOfVersion4},
     {"selector_options"},
     {"segment_sessions", kRowsOfVersion6},
     {"pins"},
     {"segment_states", kStatesOfVersion6},
     {"inheritance"}};
 
-const std::vector<Given> kOfVersion5 = {{"meta"},
-                                        {"map_versions", kMapsOfVersion4 + ", shared_error_rad"},
-                                        {"segments"},
-                                        {"segment_features", "*, x''"},
-                                        {"sessions"},
-                                        {"session_labels"},
-                                        {"observations"},
-                                        {"selector_options"},
-                                        {"segment_sessions", kRowsOfVersion6},
-                                        {"pins"},
-                                        {"segment_states", kStatesOfVersion6},
-                                        {"inheritance"}};
+const std::vector<Given> kOfVersion5 = {
+    {"meta"},
+    {"map_versions", kMapsOfVersion4 + ", shared_error_rad"},
+    {"segments"},
+    {"segment_features", "*, x''"},
+    {"sessions"},
+    {"session_labels"},
+    {"observations", kObservationsOfVersion4 + ", inlier_rms_pixels, gravity_rejected, "
+                                               "gravity_tilt_x_rad, gravity_tilt_y_rad"},
+    {"selector_options"},
+    {"segment_sessions", kRowsOfVersion6},
+    {"pins"},
+    {"segment_states", kStatesOfVersion6},
+    {"inheritance"}};
 
 class SqliteMigrationTest : public SqliteStoreTest {
  protected:
@@ -141,6 +145,11 @@ class SqliteMigrationTest : public SqliteStoreTest {
     EXPECT_EQ(store->EndSession("open", SessionEnd::kByRobot, 6000, {})->queries, 3);
     EXPECT_EQ(Count("pragma_table_info('segment_features') WHERE name = 'covariances'"), 0);
     EXPECT_EQ(GiveMap(*store).version, 2);
+    EXPECT_TRUE(store->Verify().ok()) << store->Verify().ToString();
+    // It is a store that can shrink.
+    EXPECT_EQ(Count("pragma_auto_vacuum WHERE auto_vacuum = 2"), 1);
+    ASSERT_TRUE(store->DeleteVersion(kYard).ok());
+    EXPECT_EQ(Count("pragma_freelist_count WHERE freelist_count > 0"), 0);
     EXPECT_TRUE(store->Verify().ok()) << store->Verify().ToString();
   }
 

@@ -254,5 +254,30 @@ TEST_F(SqliteStoreTest, ABackupOfAStoreInUseIsWhole) {
   EXPECT_EQ(BackupSqliteStore(path_, folder_.File("no/copy.db")).code(), StatusCode::kUnavailable);
 }
 
+// A megabyte and more, behind which another map stands: pages have to move.
+TEST_F(SqliteStoreTest, ADeletedVersionGivesItsSpaceBackWhileAnotherProcessReadsAndWrites) {
+  const auto pages = [this] {
+    auto database = SqliteDatabase::Open(path_, SqliteAccess::kRead, 1000).value();
+    SqliteStatement count(database, "PRAGMA page_count");
+    EXPECT_TRUE(count.Step().value());
+    return count.Int("page_count");
+  };
+  constexpr int kPageBytes = 4096;
+  const auto served = Open();
+  GiveMap(*served, "yard", 40);
+  const std::int64_t with_one = pages();
+  GiveMap(*served, "yard", 40);
+  const MapKey garden = GiveMap(*served, "garden", 3);
+  const std::int64_t with_all = pages();
+  const auto store = Open();
+  ASSERT_TRUE(store->DeleteVersion({"yard", 1}).ok());
+  EXPECT_LT(pages(), with_all - with_one / 2);
+  EXPECT_EQ(std::filesystem::file_size(path_), pages() * kPageBytes) << "nothing waits in the log";
+  EXPECT_EQ(Count("pragma_freelist_count WHERE freelist_count > 0"), 0);
+  EXPECT_TRUE(served->LoadSegment(garden, 2).ok());
+  ASSERT_TRUE(served->StartSession(OpenSession("after", garden)).ok());
+  EXPECT_TRUE(served->Verify().ok()) << served->Verify().ToString();
+}
+
 }  // namespace
 }  // namespace maploc::testing

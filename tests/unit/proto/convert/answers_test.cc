@@ -209,6 +209,7 @@ v1::StartSessionRequest ValidStart() {
   request.set_map("yard");
   request.set_robot("rover-1");
   request.set_request_id("start-1");
+  request.set_map_version(3);
   (*request.mutable_labels())["season"] = "autumn";
   return request;
 }
@@ -219,6 +220,7 @@ TEST(SessionConvert, StartIsRead) {
   EXPECT_EQ(got->map, "yard");
   EXPECT_EQ(got->robot, "rover-1");
   EXPECT_EQ(got->request_id, "start-1");
+  EXPECT_EQ(got->map_version, 3);
   EXPECT_EQ(got->labels.at("season"), "autumn");
 }
 
@@ -249,6 +251,9 @@ TEST(SessionConvert, StartIsRefusedWithTheField) {
   request = ValidStart();
   (*request.mutable_labels())[""] = "autumn";
   ExpectStartRefused(request, "labels: one has an empty key");
+  request = ValidStart();
+  request.set_map_version(-1);
+  ExpectStartRefused(request, "map_version: ");
 
   request = ValidStart();
   for (int i = 0; i < kMaxLabels; ++i) request.mutable_labels()->insert({std::to_string(i), {}});

@@ -165,6 +165,7 @@ const std::vector<Refusal>& Refusals() {
       {"SessionIdTooLong", [](R* r) { r->set_session_id(std::string(129, 'a')); }, "session_id",
        "TOO_LONG"},
       {"MapTooLong", [](R* r) { r->set_map(std::string(129, 'a')); }, "map", "TOO_LONG"},
+      {"NegativeMapVersion", [](R* r) { r->set_map_version(-1); }, "map_version", "OUT_OF_RANGE"},
       {"RequestIdTooLong", [](R* r) { r->set_request_id(std::string(129, 'a')); }, "request_id",
        "TOO_LONG"},
       {"MapTurnedAround", [](R* r) { r->set_map("\u202edray"); }, "map", "CONTROL_CHARACTER"},

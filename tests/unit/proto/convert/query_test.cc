@@ -16,6 +16,7 @@ TEST(QueryFromProto, ReadsEveryField) {
   EXPECT_EQ(query->session, "0123456789abcdef");
   EXPECT_EQ(query->map, "yard");
   EXPECT_EQ(query->request_id, "frame-17");
+  EXPECT_EQ(query->map_version, 3);
   EXPECT_EQ(query->capture_unix_ns, 1'700'000'000'000'000'000);
   EXPECT_EQ(query->requested_strategy, Strategy::k2P);
   EXPECT_EQ(query->refinement, Refinement::k4Dof);

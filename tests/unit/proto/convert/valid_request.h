@@ -20,6 +20,7 @@ inline v1::LocalizeRequest ValidRequest() {
   request.set_session_id("0123456789abcdef");
   request.set_map("yard");
   request.set_request_id("frame-17");
+  request.set_map_version(3);
   request.set_capture_unix_nanos(1'700'000'000'000'000'000);
   v1::View* view = request.add_views();
   view->mutable_camera()->set_model(v1::CAMERA_MODEL_OPENCV);
