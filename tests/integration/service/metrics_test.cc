@@ -22,7 +22,6 @@ TEST_F(MetricsTest, CountsCallsAndAnswers) {
   auto samples = Scrape();
   EXPECT_EQ(samples[R"(maploc_calls_total{code="OK",method="Localize"})"], 3);
   EXPECT_EQ(samples[R"(maploc_calls_total{code="NOT_FOUND",method="Localize"})"], 1);
-  EXPECT_EQ(samples[R"(maploc_refused_calls_total{code="NOT_FOUND",reason="MAP_NOT_FOUND"})"], 1);
   EXPECT_EQ(samples[R"(maploc_calls_total{code="OK",method="StartSession"})"], 1);
   EXPECT_EQ(samples[R"(maploc_call_seconds_count{method="Localize"})"], 4);
   EXPECT_EQ(samples[R"(maploc_answers_total{map="street",outcome="LOCALIZED",strategy="mixed"})"],
