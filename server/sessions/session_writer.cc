@@ -78,8 +78,10 @@ std::vector<std::vector<SessionManager::Batch>> SessionManager::Waiting() const 
   std::vector<std::vector<Batch>> groups;
   std::size_t size = kMaxGroup;  // of the last group
   for (const auto& [id, open] : open_) {
-    // An end takes its observations along, in its own transaction (Finish).
-    if (open->unsaved.empty() || open->ending) continue;
+    // An end takes the rest along in its own transaction (Finish). It does so when the last query
+    // is done, and until then a crash must not cost what waits.
+    const bool is_being_ended = open->ending && open->running == 0;
+    if (open->unsaved.empty() || is_being_ended) continue;
     if (size >= kMaxGroup) {
       groups.emplace_back();
       size = 0;

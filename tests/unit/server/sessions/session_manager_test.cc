@@ -105,6 +105,23 @@ TEST_F(SessionManagerTest, EndWaitsForRunningQueries) {
   EXPECT_EQ(summary->queries, 1);
 }
 
+// A slow query may hold up an end for a minute; a crash in that minute must not cost the rest.
+TEST_F(SessionManagerTest, WhatWasAnsweredIsWrittenWhileAnEndWaits) {
+  const SessionId id = StartSession();
+  Query(id, 0);
+  std::optional<SessionManager::Lease> lease = manager_->Enter(id).value();
+  auto end = std::async(std::launch::async, [&] { return manager_->End(id); });
+  ASSERT_TRUE(
+      testing::WaitFor([&] { return manager_->Enter(id).status().reason() == "SESSION_CLOSED"; }));
+
+  EXPECT_TRUE(manager_->Flush().ok());
+  EXPECT_EQ(OnDisk(id), 1u);
+
+  EXPECT_TRUE(lease->Record(Localized(1)).ok());
+  lease.reset();
+  EXPECT_EQ(end.get()->queries, 2);
+}
+
 TEST_F(SessionManagerTest, AnEndThatIsTooLateLeavesTheSessionOpen) {
   const SessionId id = StartSession();
   std::optional<SessionManager::Lease> lease = manager_->Enter(id).value();
