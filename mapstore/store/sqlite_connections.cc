@@ -107,10 +107,14 @@ void SqliteConnections::FoldWholeLog() {
 
 // The store's file was moved or deleted, but its log is still at the old path, where the next
 // program would replay it into the file that is there now. So the log is written into its own file,
-// which is still open. If that file was only moved, it is complete afterwards.
+// which is still open. If that file was only moved, it is complete afterwards. While somebody still
+// reads, the log stays, and the next refused read or write tries again.
 void SqliteConnections::FoldLogOfMovedStore() {
   if (read_only() || folded_ || identity_->state() != SqliteIdentity::State::kMoved) return;
-  folded_ = writer_.Execute("PRAGMA wal_checkpoint(TRUNCATE)").ok();
+  const WaitLimit no_wait(std::chrono::steady_clock::now());
+  // Not the PRAGMA: it succeeds where it was held up.
+  folded_ = sqlite3_wal_checkpoint_v2(writer_.handle(), nullptr, SQLITE_CHECKPOINT_TRUNCATE,
+                                      nullptr, nullptr) == SQLITE_OK;
 }
 
 Deadline SqliteConnections::LatestStart() const {

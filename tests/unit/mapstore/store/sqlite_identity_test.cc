@@ -66,6 +66,26 @@ TEST_F(SqliteIdentityTest, AFileThatIsMovedOverTheStoreIsLeftWhole) {
   ExpectVerifies(path_, 1);
 }
 
+// A map that loads reads for seconds.
+TEST_F(SqliteIdentityTest, ALogThatAReaderHoldsIsPutAwayAfterwards) {
+  const std::string backup = Backup();
+  auto store = Open();
+  ASSERT_TRUE(Start(*store, "before").ok());
+  auto reader = SqliteDatabase::Open(path_, SqliteAccess::kRead, 0);
+  ASSERT_TRUE(reader.ok()) << reader.status().ToString();
+  auto reading = SqliteTransaction::Begin(*reader, SqliteTransaction::Kind::kRead);
+  ASSERT_TRUE(reading.ok()) << reading.status().ToString();
+  ASSERT_TRUE(SqliteStatement(*reader, "SELECT name FROM meta").Step().value());
+  ASSERT_TRUE(Start(*store, "after").ok());
+  ASSERT_EQ(std::rename(backup.c_str(), path_.c_str()), 0);
+  ExpectReplaced(*store, "replaced by another file");
+  EXPECT_GT(std::filesystem::file_size(path_ + "-wal"), 0u);
+  { const SqliteTransaction done = std::move(*reading); }
+  ExpectReplaced(*store, "replaced by another file");
+  EXPECT_EQ(std::filesystem::file_size(path_ + "-wal"), 0u);
+  ExpectVerifies(path_, 0);
+}
+
 TEST_F(SqliteIdentityTest, AStoreThatWasMovedAwayTakesItsLogAlong) {
   auto store = Open();
   ASSERT_TRUE(Start(*store, "before").ok());
