@@ -159,6 +159,9 @@ Status SqliteIdentity::CheckContent(SqliteDatabase& database, const Stat& now) {
   const std::optional<std::int64_t> in_file = StampNow();
   if (in_file >= stamp_ && !newest.ok()) return newest.status();
   if (in_file >= stamp_ && in_file <= *newest) return Keep(now, in_file), Status::Ok();
+  // The stamp is another file's if one was moved to the path since `now`. Then the log belongs to
+  // the file that went, and must reach it.
+  MAPLOC_RETURN_IF_ERROR(LookAtPaths().status());
   return Fail(State::kOverwritten, "was written over by another program",
               "stop the server, use `maploc-map restore --store " + path_ +
                   " --from BACKUP`, and start it again");

@@ -1,8 +1,10 @@
 // A store that is moved, deleted or written over under a running program: nothing is acknowledged
 // any more, and neither file is harmed.
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -64,6 +66,37 @@ TEST_F(SqliteIdentityTest, AFileThatIsMovedOverTheStoreIsLeftWhole) {
   ExpectVerifies(path_, 1);  // also while the other program is there
   store.reset();
   ExpectVerifies(path_, 1);
+}
+
+// Also between two of its looks at the file. What it had acknowledged is in its log, which belongs
+// to the file that went.
+TEST_F(SqliteIdentityTest, AFileThatIsMovedOverTheStoreAtAnyMomentCostsNothing) {
+  for (int i = 0; i < 20 && !HasFailure(); ++i) {
+    const std::string backup = Backup();
+    const std::string old = folder_.File("old" + std::to_string(i));
+    auto store = Open();
+    std::filesystem::create_hard_link(path_, old);
+    std::atomic<int> started = 0;
+    Status refused;
+    std::thread robots([&] {
+      while (refused.ok()) {
+        refused = Start(*store, std::to_string(i) + "-" + std::to_string(started));
+        if (refused.ok()) ++started;
+      }
+    });
+    std::thread other([&] {  // folds the log, so that each look reads the file's content
+      auto database = SqliteDatabase::Open(path_, SqliteAccess::kWrite, 1000);
+      while (started < 5 + i) static_cast<void>(database->Execute("PRAGMA wal_checkpoint"));
+    });
+    other.join();
+    ASSERT_EQ(std::rename(backup.c_str(), path_.c_str()), 0);
+    robots.join();
+    EXPECT_THAT(refused.message(), HasSubstr("replaced by another file"));
+    store.reset();
+    const auto kept = OpenSqliteStore(old);
+    ASSERT_TRUE(kept.ok()) << kept.status().ToString();
+    EXPECT_GE((*kept)->ListSessions()->size(), static_cast<std::size_t>(started));
+  }
 }
 
 // A map that loads reads for seconds.
