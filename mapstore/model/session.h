@@ -33,7 +33,7 @@ struct Session {
 };
 
 // One query's trace. (session, sequence) is its identity: appended twice, it counts once. So is
-// (session, request_id) where the robot gave one: of two, the first one appended counts.
+// (session, counted_as) where that is given: of two, the first one appended counts.
 struct Observation {
   std::int64_t sequence = 0;  // given by the session, ascending from 1
   SegmentId segment = -1;     // -1: OUT_OF_MAP, counted in no segment
@@ -41,7 +41,9 @@ struct Observation {
   Evidence evidence;
   double total_ms = 0.0;
   std::int64_t time_unix_ns = 0;
-  std::string request_id;  // the query's; empty: it has none
+  // Names the robot's query, so that it counts once however often it is sent. Empty: each one
+  // counts.
+  std::string counted_as;
 };
 
 // What one session teaches about one segment: sums over its queries. The truth; everything else is

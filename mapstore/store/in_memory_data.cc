@@ -18,10 +18,10 @@ std::vector<Segment> PlacesOf(const InMemoryMap& map) {
 void AddObservations(InMemorySession& session, std::span<const Observation> observations) {
   for (const Observation& added : observations) {
     const auto is_same_query = [&added](const auto& entry) {
-      return entry.second.request_id == added.request_id;
+      return entry.second.counted_as == added.counted_as;
     };
     const bool is_known =
-        !added.request_id.empty() && std::ranges::any_of(session.observations, is_same_query);
+        !added.counted_as.empty() && std::ranges::any_of(session.observations, is_same_query);
     if (!is_known) session.observations.try_emplace(added.sequence, added);
   }
 }

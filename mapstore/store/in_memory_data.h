@@ -40,7 +40,7 @@ struct InMemorySession {
   SessionSummary summary;                            // once ended
 };
 
-// Idempotent by sequence and by request_id.
+// Idempotent by sequence and by counted_as.
 void AddObservations(InMemorySession& session, std::span<const Observation> observations);
 std::vector<Observation> InOrder(const std::map<std::int64_t, Observation>& observations);
 SegmentSummary Summarize(const InMemorySegment& stored);

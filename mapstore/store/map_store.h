@@ -135,7 +135,7 @@ class MapStore {
   // By start, then id.
   virtual Result<std::vector<Session>> ListSessions() const = 0;
   // To several sessions in ONE transaction, so that they share a sync of the disk. Idempotent by
-  // (session, sequence) and by (session, request_id): the first one appended stays. Segments must
+  // (session, sequence) and by (session, counted_as): the first one appended stays. Segments must
   // exist (or be -1). Sessions that have ended are left out, and returned; any other error fails
   // the whole group.
   virtual Result<std::vector<SessionId>> AppendGroup(

@@ -60,7 +60,7 @@ Observation ObservationAt(const SqliteStatement& row) {
   evidence.inlier_rms_px = row.Real("inlier_rms_pixels");
   evidence.gravity_rejected = row.Bool("gravity_rejected");
   evidence.gravity_tilt_rad = {row.Real("gravity_tilt_x_rad"), row.Real("gravity_tilt_y_rad")};
-  observation.request_id = row.Text("request_id");
+  observation.counted_as = row.Text("request_id");
   return observation;
 }
 
@@ -74,7 +74,7 @@ Status InsertObservation(SqliteStatement& insert, const SessionId& id, const Obs
             evidence.fell_back, evidence.iterations, evidence.gravity_disagreement_rad,
             evidence.confidence, o.total_ms, o.time_unix_ns, evidence.inlier_rms_px,
             evidence.gravity_rejected, evidence.gravity_tilt_rad.x(), evidence.gravity_tilt_rad.y(),
-            o.request_id)
+            o.counted_as)
       .Run();
 }
 

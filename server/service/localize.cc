@@ -1,4 +1,6 @@
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "proto/convert/convert.h"
 #include "server/pipeline/localizer.h"
@@ -18,14 +20,15 @@ Status CheckMap(const Query& query, const Session& session) {
   return InvalidArgument("map", "the session is on map '" + session.map.name + "'", "MAP_MISMATCH");
 }
 
-Observation Observe(const Localization& localization, const Query& query, const Clock& clock) {
+Observation Observe(const Localization& localization, const std::string& counted_as,
+                    const Clock& clock) {
   Observation observation;
   observation.segment = localization.segment;
   observation.outcome = localization.outcome;
   observation.evidence = localization.evidence;
   observation.total_ms = localization.times.total_ms;
   observation.time_unix_ns = clock.NowUnixNanos();
-  observation.request_id = query.request_id;
+  observation.counted_as = counted_as;
   return observation;
 }
 
@@ -85,11 +88,20 @@ Result<std::optional<SessionManager::Lease>> Enter(const ServiceContext& context
   return lease;
 }
 
-// Only what counts is to be kept from counting twice.
-Result<AnsweredQueries::Turn> TakeTurn(const ServiceContext& context,
-                                       const v1::LocalizeRequest& request) {
-  if (request.session_id().empty() || request.request_id().empty()) return AnsweredQueries::Turn();
-  return context.answered->Begin(request.session_id(), request.request_id(), PayloadHash(request));
+// A query that must not count twice; without values where it may be sent as often as one likes.
+struct Counted {
+  AnsweredQueries::Turn turn;
+  std::string as;  // Observation::counted_as
+};
+
+Result<Counted> CountOnce(const ServiceContext& context, const v1::LocalizeRequest& request) {
+  if (request.session_id().empty() || request.request_id().empty()) return Counted();
+  const std::uint64_t payload = PayloadHash(request);
+  MAPLOC_ASSIGN_OR_RETURN(
+      AnsweredQueries::Turn turn,
+      context.answered->Begin(request.session_id(), request.request_id(), payload));
+  // With the payload, so that a robot that numbers its queries anew loses none.
+  return Counted{std::move(turn), request.request_id() + '#' + std::to_string(payload)};
 }
 
 }  // namespace
@@ -103,10 +115,11 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   TellQuery(query, *call.facts);
   const double convert_ms = MillisecondsSince(start, *context.clock);
   MAPLOC_ASSIGN_OR_RETURN(std::optional<SessionManager::Lease> lease, Enter(context, call, query));
-  MAPLOC_ASSIGN_OR_RETURN(AnsweredQueries::Turn turn, TakeTurn(context, request));
-  if (turn.repeated() != nullptr) {
-    TellAnswer(*turn.repeated(), *call.facts);
-    LocalizationToProto(query, *turn.repeated(), request.include_matches(), response);
+  MAPLOC_ASSIGN_OR_RETURN(Counted counted, CountOnce(context, request));
+  if (counted.turn.repeated() != nullptr) {
+    const Localization& repeated = *counted.turn.repeated();
+    TellAnswer(repeated, *call.facts);
+    LocalizationToProto(query, repeated, request.include_matches(), response);
     return Status::Ok();
   }
   MAPLOC_ASSIGN_OR_RETURN(MapCache::Snapshot map, MapOf(context, query, lease));
@@ -118,10 +131,10 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   answer.times.total_ms = MillisecondsSince(start, *context.clock);
   TellAnswer(answer, *call.facts);
   context.metrics->CountAnswer(answer);
-  if (lease) MAPLOC_RETURN_IF_ERROR(lease->Record(Observe(answer, query, *context.clock)));
+  if (lease) MAPLOC_RETURN_IF_ERROR(lease->Record(Observe(answer, counted.as, *context.clock)));
   LocalizationToProto(query, answer, request.include_matches(), response);
   if (!request.include_matches()) answer.matches = {};
-  turn.Keep(std::move(answer));
+  counted.turn.Keep(std::move(answer));
   return Status::Ok();
 }
 

@@ -9,7 +9,8 @@ class MessageLite;
 
 namespace maploc {
 
-// Of all fields. Depends on the program: to be compared within one process. Pure; thread-safe.
+// Of all fields. Stored with the observations, so it is the same after a restart: it depends on the
+// message's bytes and the standard library alone. Pure; thread-safe.
 std::uint64_t PayloadHash(const google::protobuf::MessageLite& message);
 
 }  // namespace maploc

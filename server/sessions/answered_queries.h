@@ -1,7 +1,7 @@
 // What was answered under a request_id in a session, so that a repeated query gets the same answer
 // and counts once. Kept in memory: the last kAnswersOfSession of each session, at most kAnswerBytes
 // of all. Of what is not kept any more the store still knows that it was counted
-// (Observation::request_id), so that a repeat is worked on anew and counts nothing.
+// (Observation::counted_as), so that a repeat is worked on anew and counts nothing.
 //
 // Thread-safe.
 #pragma once

@@ -70,10 +70,9 @@ class SessionManager {
     ~Lease();
 
     const Session& session() const;
-    // The query's observation; its sequence is given here. One with the request_id of another
-    // counts
-    // nothing. INTERNAL for one that no store takes (a
-    // number that is not finite): it would keep its whole session from being written and ended.
+    // The query's observation; its sequence is given here. One that is counted_as another
+    // counts nothing. INTERNAL for one that no store takes (a number that is not finite): it would
+    // keep its whole session from being written and ended.
     // REQUIRES: called at most once.
     Status Record(Observation observation);
 

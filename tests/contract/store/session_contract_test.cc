@@ -71,9 +71,9 @@ TEST_P(SessionContract, AnObservationIsKeptOnceAndWhole) {
   EXPECT_EQ(kept[1].segment, -1);
 }
 
-Observation Named(const std::string& request_id, std::int64_t sequence) {
+Observation Named(const std::string& counted_as, std::int64_t sequence) {
   Observation observation = Seen(sequence, 0);
-  observation.request_id = request_id;
+  observation.counted_as = counted_as;
   return observation;
 }
 
@@ -86,7 +86,7 @@ TEST_P(SessionContract, AQueryThatWasAnsweredTwiceCountsOnce) {
   const auto kept = store_->ListObservations("a").value();
   ASSERT_THAT(kept, SizeIs(4));
   EXPECT_EQ(kept[0].sequence, 1);
-  EXPECT_EQ(kept[0].request_id, "q");
+  EXPECT_EQ(kept[0].counted_as, "q");
   EXPECT_EQ(End("a", {Named("q", 7), Named("other", 8), Named("late", 9)}).queries, 5);
   EXPECT_EQ(End("b").queries, 1);
   EXPECT_TRUE(store_->Verify().ok()) << store_->Verify().ToString();

@@ -6,6 +6,7 @@
 
 #include "maploc/v1/localization_service.grpc.pb.h"
 #include "proto/convert/convert.h"
+#include "server/sessions/answered_queries.h"
 #include "tests/integration/service/service_fixture.h"
 #include "tests/support/wait_for.h"
 
@@ -84,6 +85,20 @@ TEST_F(RepeatedQueryTest, AnotherRequestUnderItsIdIsRefused) {
   EXPECT_EQ(refused.reason, "REQUEST_ID_REUSED");
   EXPECT_FALSE(refused.has_retry_time);
   EXPECT_EQ(client_->EndSession(session)->queries, 1);
+}
+
+// A robot that was started anew numbers its queries from 1 again, in the session that it had.
+TEST_F(RepeatedQueryTest, AnIdThatNamesAnotherQueryLaterLosesNone) {
+  const SessionId session = StartSession();
+  const v1::LocalizeRequest first = Named("1", QueryAt(2.0, session));
+  ASSERT_TRUE(Send(first).status.ok());
+  for (std::size_t i = 0; i < kAnswersOfSession; ++i) {
+    ASSERT_TRUE(Send(Named("photo " + std::to_string(i), QueryAt(2.0, session))).status.ok());
+  }
+  ASSERT_TRUE(Send(Named("1", QueryAt(4.0, session))).status.ok());
+  RestartServer();
+  ASSERT_TRUE(Send(first).status.ok());
+  EXPECT_EQ(client_->EndSession(session)->queries, static_cast<int>(kAnswersOfSession) + 2);
 }
 
 TEST_F(RepeatedQueryTest, ManyAtOnceAreOneQuery) {
