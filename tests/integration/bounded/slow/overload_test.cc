@@ -11,7 +11,7 @@
 
 #include "client/api/client.h"
 #include "mapstore/store/sqlite_store.h"
-#include "tests/integration/crash/small_street.h"
+#include "tests/support/drawn_world.h"
 #include "tests/support/seed.h"
 #include "tests/support/server_process.h"
 #include "tests/support/stored_world.h"
@@ -25,6 +25,23 @@ constexpr std::chrono::seconds kDeadline{2};
 constexpr double kOverload = 10.0;
 constexpr std::chrono::seconds kCalibration{5};
 constexpr std::chrono::seconds kFlood{60};
+
+// As many landmarks and features as real photos have, because a refusal must be cheap beside a real
+// query and not beside a toy.
+DrawnWorldOptions DenseStreet() {
+  DrawnWorldOptions options;
+  options.points_a_metre = 300;
+  options.lines_a_metre = 20;
+  return options;
+}
+
+Query DenseQuery(const DrawnWorld& world) {
+  QueryNoise noise;
+  noise.max_points = 1000;
+  noise.max_lines = 100;
+  Random random = TestRandom(1);
+  return world.See(DrawnWorld::CameraFromMapAt(8.0, 0.1), noise, random);
+}
 
 struct Answers {
   std::vector<double> answered_ms;
@@ -41,9 +58,9 @@ double Percentile(std::vector<double> values, double share) {
 class OverloadTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    const DrawnWorld world(TestRandom(), SmallStreet());
+    const DrawnWorld world(TestRandom(), DenseStreet());
     ImportWorld(world, OpenSqliteStore(folder_.File("store")).value().get());
-    query_ = DrawQueries(world, TestRandom(1)).front();
+    query_ = DenseQuery(world);
     address_ = server_.Start();
   }
   void TearDown() override { server_.Stop(); }
