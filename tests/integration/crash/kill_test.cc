@@ -81,8 +81,8 @@ class KillTest : public ::testing::Test {
   void Settle(const MapStore& store, RunningSession& session) {
     const auto kept = static_cast<std::int64_t>(store.ListObservations(session.id)->size());
     const Moment kept_since = killed_ - kMayBeLost - LongestWrite();
-    const auto old = std::ranges::count_if(
-        session.answered, [&](Moment moment) { return moment <= kept_since; });
+    const auto old = std::ranges::count_if(session.answered,
+                                           [&](Moment moment) { return moment <= kept_since; });
     ASSERT_GE(kept, session.settled + old) << "session " << session.id;
     EXPECT_LE(kept, session.Known() + session.unanswered) << "session " << session.id;
     for (std::int64_t i = kept; i < session.Known(); ++i) {
