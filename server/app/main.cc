@@ -5,11 +5,13 @@
 #include <string>
 
 #include <absl/synchronization/mutex.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
+#include <google/protobuf/stubs/logging.h>
+#include <spdlog/logger.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "mapstore/base/standard_output.h"
+#include "server/app/log_sink.h"
 #include "server/app/options.h"
 #include "server/app/server.h"
 #include "server/app/token_command.h"
@@ -39,8 +41,28 @@ sigset_t BlockStopSignals() {
 // As a signal from outside would, for the waiting main thread.
 void EndProcess() { kill(getpid(), SIGTERM); }
 
+// Protobuf writes a line of its own to standard error for each string that is not UTF-8. Whoever
+// sent it is told, and the log of requests has it.
+void KeepProtobufSilent() { google::protobuf::SetLogHandler(nullptr); }
+
+void OpenLog(const maploc::ServerOptions& options) {
+  auto& file = maploc::LogFile::StandardError();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "maploc-server", maploc::NewLogSink(file, maploc::LostLines::kTold)));
+  if (options.request_log.json) spdlog::set_formatter(maploc::JsonMessages());
+  spdlog::set_level(spdlog::level::from_str(options.log_level));
+  KeepProtobufSilent();
+}
+
 int Fail(const maploc::Status& status) {
   std::cerr << "maploc-server: " << status.message() << " (" << status.reason() << ")\n";
+  return 1;
+}
+
+// The last line is for whoever started the server, or for a program that reads the log.
+int FailWhileLogging(const maploc::Status& status, const maploc::ServerOptions& options) {
+  if (!options.request_log.json) return Fail(status);
+  spdlog::critical("{} ({})", status.message(), status.reason());
   return 1;
 }
 
@@ -54,9 +76,7 @@ int main(int argc, char** argv) {
     const maploc::Status printed = maploc::FlushStandardOutput();
     return *command_line.exit_code == 0 && !printed.ok() ? Fail(printed) : *command_line.exit_code;
   }
-  spdlog::set_default_logger(spdlog::stderr_color_mt("maploc-server"));
-  if (command_line.options.request_log.json) spdlog::set_formatter(maploc::JsonMessages());
-  spdlog::set_level(spdlog::level::from_str(command_line.options.log_level));
+  OpenLog(command_line.options);
 
   // What gRPC has to say of a port in use, we say in one line; GRPC_VERBOSITY=debug brings it back.
   setenv("GRPC_VERBOSITY", "NONE", /*overwrite=*/0);
@@ -70,13 +90,13 @@ int main(int argc, char** argv) {
   const sigset_t signals = BlockStopSignals();
   auto server =
       maploc::Caught([&] { return maploc::Server::Start(command_line.options, EndProcess); });
-  if (!server.ok()) return Fail(server.status());
+  if (!server.ok()) return FailWhileLogging(server.status(), command_line.options);
   int signal = 0;
   sigwait(&signals, &signal);
   spdlog::info("{}: finishing what runs", strsignal(signal));
   const maploc::Status status = maploc::Caught([&] { return server.value()->Shutdown(); });
   server.value().reset();  // its threads may log; the last line is this one
-  if (!status.ok()) return Fail(status);
+  if (!status.ok()) return FailWhileLogging(status, command_line.options);
   spdlog::info("stopped; statistics are on disk");
   return 0;
 }

@@ -7,7 +7,6 @@
 
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/health_check_service_interface.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "mapstore/base/wait_limit.h"
@@ -15,6 +14,7 @@
 #include "server/app/call_rate.h"
 #include "server/app/exposure.h"
 #include "server/app/listening_sockets.h"
+#include "server/app/log_sink.h"
 #include "server/app/memory_limit.h"
 #include "server/app/port_file.h"
 
@@ -93,7 +93,7 @@ Server::Server(const ServerOptions& options, std::unique_ptr<MapStore> store,
       on_lost_(std::move(on_lost)),
       lock_(std::move(lock)),
       store_(std::move(store)),
-      request_log_(options_.request_log, std::make_shared<spdlog::sinks::stderr_sink_mt>()),
+      request_log_(options_.request_log, NewLogSink(LogFile::StandardError(), LostLines::kUntold)),
       credentials_(std::move(credentials)) {}
 
 Result<Server::Credentials> Server::OpenCredentials(const ServerOptions& options) {
