@@ -322,6 +322,8 @@ Result<Localization> Client::Localize(const Query& query, bool include_matches) 
   MAPLOC_RETURN_IF_ERROR(CheckName("map", query.map));
   MAPLOC_RETURN_IF_ERROR(CheckName("session_id", query.session));
   MAPLOC_RETURN_IF_ERROR(CheckName("request_id", query.request_id));
+  // CheckMatches looks at the view, also where a broken server answers a query without one.
+  if (query.views.empty()) return InvalidArgument("views", "one view is required", "REQUIRED");
   v1::LocalizeRequest request;
   QueryToProto(query, include_matches, &request);
   // A lost answer does not tell whether the query was counted: by its id it is so once.
