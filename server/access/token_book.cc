@@ -35,7 +35,8 @@ Status TokenBook::Reload() {
   seen_.reset();
   MAPLOC_ASSIGN_OR_RETURN(std::optional<TokenRecords> records, file_.Read());
   if (!records && had_file_) {
-    return Status(StatusCode::kUnavailable, "TOKENS_UNREADABLE", file_.path() + " is gone");
+    return Status(StatusCode::kUnavailable, "TOKENS_UNREADABLE",
+                  file_.path() + " is gone; put it back, or make new tokens");
   }
   seen_ = state;
   if (!records) return Status::Ok();
@@ -79,10 +80,13 @@ Result<Caller> TokenBook::Authenticate(std::optional<std::string_view> authoriza
   }
   const auto found = known->find(token->id);
   if (found == known->end() || !SameHash(found->second.hash, HashSecret(token->secret))) {
-    return Unauthenticated("TOKEN_WRONG", "the server does not know this token");
+    return Unauthenticated("TOKEN_WRONG",
+                           "the server does not know this token; was it made for another store?");
   }
   if (found->second.revoked_unix_ns) {
-    return Unauthenticated("TOKEN_REVOKED", "token " + token->id + " has been revoked");
+    return Unauthenticated("TOKEN_REVOKED", "token " + token->id +
+                                                " has been revoked; maploc-server token create "
+                                                "makes another one");
   }
   const std::optional<std::int64_t> expires = found->second.expires_unix_ns;
   if (expires && SystemClock().NowUnixNanos() >= *expires) {
