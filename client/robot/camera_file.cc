@@ -172,7 +172,8 @@ Result<Camera> ReadCameraFile(const CameraChoice& choice) {
   const std::string extension = Extension(file);
   if (extension == ".yaml" || extension == ".yml") {
     if (!choice.camera_id) return ReadEurocSensorYaml(file);
-    return InvalidArgument("--camera-id", "chooses among COLMAP's cameras; " + file + " is one");
+    return InvalidArgument("--camera-id", "chooses among COLMAP's cameras; " + file +
+                                              " holds one camera, so leave it out");
   }
   if (IsFolder(file)) return ReadFromModel(choice, file);
   if (extension == ".bin") {
