@@ -32,6 +32,7 @@ Status TokenBook::Reload() {
   // Before it is read: a change in between is seen the next time.
   const std::optional<FileState> state = FileState::Of(file_.path());
   if (seen_ && *seen_ == state) return Status::Ok();
+  // A file that cannot be read is tried again at the next look, also where its state is the same.
   seen_.reset();
   MAPLOC_ASSIGN_OR_RETURN(std::optional<TokenRecords> records, file_.Read());
   if (!records && had_file_) {
@@ -46,6 +47,7 @@ Status TokenBook::Reload() {
 }
 
 TokenBook::Known TokenBook::Look() {
+  // The file is read under the lock, so that of many callers one reads it.
   const std::lock_guard lock(mutex_);
   const auto now = std::chrono::steady_clock::now();
   if (now < next_look_) return known_;
@@ -83,6 +85,7 @@ Result<Caller> TokenBook::Authenticate(std::optional<std::string_view> authoriza
     return Unauthenticated("TOKEN_WRONG",
                            "the server does not know this token; was it made for another store?");
   }
+  // Only after the secret was found right: nobody else learns what became of a token.
   if (found->second.revoked_unix_ns) {
     return Unauthenticated("TOKEN_REVOKED", "token " + token->id +
                                                 " has been revoked; maploc-server token create "

@@ -55,6 +55,7 @@ bool WorkerPool::MakeRoom(const std::string& peer, std::size_t bytes,
   while (!Fits(bytes)) {
     const auto most = std::ranges::max_element(
         waiting_, {}, [](const auto& entry) { return entry.second.size(); });
+    // A peer that has one job more than the newcomer keeps it: they would only change places.
     if (most == waiting_.end() || most->second.size() <= mine + 1) return GiveBack(dropped), false;
     dropped->push_back({most->first, TakeNewest(most->first)});
   }
@@ -117,10 +118,13 @@ void WorkerPool::Run() {
   std::unique_lock lock(mutex_);
   while (true) {
     work_.wait(lock, [this] { return stopping_ || waiting_jobs_ > 0; });
+    // A pool that stops first finishes what it has accepted.
     if (waiting_jobs_ == 0) return;
     const Job job = TakeNext();
     ++running_;
     lock.unlock();
+    // A job answers its call and catches what that throws; here the thread is kept should the
+    // answering itself throw.
     static_cast<void>(Caught([&] { return job.run(), Status::Ok(); }));
     lock.lock();
     --running_;
