@@ -53,6 +53,7 @@ class Acceptor::Loop {
     while (true) {
       OwnedFd fd;
       const Connections::Accepted accepted = connections_->Accept(socket, &fd);
+      // At once, before a call below changes it.
       const int error = errno;
       if (accepted == Connections::Accepted::kYes) {
         options_.accepted(fd.Release());
@@ -91,6 +92,7 @@ class Acceptor::Loop {
 
 Acceptor::Acceptor(ListeningSockets sockets, Connections* connections,
                    const AcceptorOptions& options)
+    // The thread owns the sockets, so that the port is free when the destructor has joined it.
     : stop_(NewEvent()),
       thread_([this, sockets = std::move(sockets), loop = Loop(connections, options)] {
         Run(sockets, loop);
@@ -98,6 +100,7 @@ Acceptor::Acceptor(ListeningSockets sockets, Connections* connections,
 
 Acceptor::~Acceptor() {
   const std::uint64_t one = 1;
+  // It fails only when the event's counter is full, and then the thread is awake already.
   static_cast<void>(!write(stop_.get(), &one, sizeof(one)));
   thread_.join();
 }

@@ -75,6 +75,7 @@ OwnedFd ListenOnOne(const addrinfo& address) {
   OwnedFd fd(socket(address.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!fd) return fd;
   Set(fd.get(), SOL_SOCKET, SO_REUSEADDR, 1);
+  // Else the system's setting (net.ipv6.bindv6only) decides whether [::] takes IPv4.
   if (address.ai_family == AF_INET6) Set(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, 0);
   const bool listens =
       bind(fd.get(), address.ai_addr, address.ai_addrlen) == 0 && listen(fd.get(), SOMAXCONN) == 0;
@@ -89,7 +90,9 @@ ListeningSockets ListenOnAll(const addrinfo* addresses, int port) {
     SetPort(address->ai_addr, result.port);
     OwnedFd fd = ListenOnOne(*address);
     if (!fd && errno == EADDRINUSE) return {};
+    // A name may have addresses that are not this machine's, such as ::1 without IPv6.
     if (!fd) continue;
+    // What the system chose for the first address must be the port of the others, too.
     result.port = PortOf(fd.get());
     result.sockets.push_back(std::move(fd));
   }

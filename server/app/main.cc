@@ -40,6 +40,7 @@ sigset_t BlockStopSignals() {
 void EndProcess() { kill(getpid(), SIGTERM); }
 
 int Fail(const maploc::Status& status) {
+  // Not by the log, whose level or format may hide it.
   std::cerr << "maploc-server: " << status.message() << " (" << status.reason() << ")\n";
   return 1;
 }

@@ -156,6 +156,7 @@ int Explain(const CLI::App& app, const CLI::ParseError& error) {
   if (app.exit(error) == 0) return 0;
   const bool of_the_file = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::FileError) ||
                            error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ConfigError);
+  // A file that cannot be used is a failure (1), not wrong usage (2).
   return of_the_file ? kExitFailed : kExitWrongUsage;
 }
 
