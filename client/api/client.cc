@@ -210,6 +210,7 @@ struct Client::Impl {
     const auto deadline = std::chrono::system_clock::now() + options.call_timeout;
     auto backoff = kFirstBackoff;
     for (int attempt = 1;; ++attempt) {
+      // A context is for one call: each attempt needs its own.
       grpc::ClientContext context;
       context.set_deadline(deadline);
       if (const std::string& token = options.credentials.token; !token.empty()) {
@@ -217,6 +218,7 @@ struct Client::Impl {
       }
       const grpc::Status status = (stub.*method)(&context, request, response);
       const auto wait = Wait(status, context, backoff);
+      // A wait that would outlast the deadline is not begun: the refusal says more than a timeout.
       const bool again = wait && attempt < options.max_attempts &&
                          std::chrono::system_clock::now() + *wait < deadline;
       if (!again) return StatusFromGrpc(status, context, server, options);

@@ -76,6 +76,7 @@ bool IsLoopback(std::string_view server) {
 
 std::string ProxyInUse(std::string_view server) {
   if (IsLoopback(server) || GoesWithoutProxy(HostOf(server))) return "";
+  // In gRPC's order.
   for (const char* name : {"grpc_proxy", "https_proxy", "http_proxy"}) {
     const std::string_view proxy = Environment(name);
     if (!proxy.empty()) return WithoutUser(proxy) + " of " + name;

@@ -8,6 +8,7 @@
 namespace maploc {
 namespace {
 
+// Not INVALID_ARGUMENT: the caller has done nothing wrong.
 Status Broken(const Status& status) {
   return Internal("the server's answer breaks its contract: " + status.message());
 }

@@ -78,6 +78,7 @@ std::ifstream OpenText(const std::string& path) {
     if (file.peek() != std::char_traits<char>::to_int_type(expected)) break;
     file.get();
   }
+  // A file shorter than the mark has been opened well; whoever reads it tells what it lacks.
   file.clear(file.rdstate() & ~std::ios::eofbit);
   return file;
 }
