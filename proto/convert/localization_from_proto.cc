@@ -128,6 +128,7 @@ Status PoseFromProto(const v1::LocalizeResponse& response, Localization* result)
 
 Result<Localization> LocalizationFromProto(const v1::LocalizeResponse& response,
                                            const std::string& map) {
+  // An outcome of a newer server is refused, because nobody here knows whether it has a pose.
   if (response.outcome() < v1::OUTCOME_LOCALIZED ||
       response.outcome() > v1::OUTCOME_CALIBRATION_INCONSISTENT) {
     return convert::UnknownEnum("outcome", response.outcome());
