@@ -210,6 +210,7 @@ struct Client::Impl {
     const auto deadline = std::chrono::system_clock::now() + options.call_timeout;
     auto backoff = kFirstBackoff;
     for (int attempt = 1;; ++attempt) {
+      // A context is for one call: each attempt needs its own.
       grpc::ClientContext context;
       context.set_deadline(deadline);
       if (const std::string& token = options.credentials.token; !token.empty()) {
@@ -217,6 +218,7 @@ struct Client::Impl {
       }
       const grpc::Status status = (stub.*method)(&context, request, response);
       const auto wait = Wait(status, context, backoff);
+      // A wait that would outlast the deadline is not begun: the refusal says more than a timeout.
       const bool again = wait && attempt < options.max_attempts &&
                          std::chrono::system_clock::now() + *wait < deadline;
       if (!again) return StatusFromGrpc(status, context, server, options);
@@ -322,6 +324,8 @@ Result<Localization> Client::Localize(const Query& query, bool include_matches) 
   MAPLOC_RETURN_IF_ERROR(CheckName("map", query.map));
   MAPLOC_RETURN_IF_ERROR(CheckName("session_id", query.session));
   MAPLOC_RETURN_IF_ERROR(CheckName("request_id", query.request_id));
+  // CheckMatches looks at the view, also where a broken server answers a query without one.
+  if (query.views.empty()) return InvalidArgument("views", "one view is required", "REQUIRED");
   v1::LocalizeRequest request;
   QueryToProto(query, include_matches, &request);
   // A lost answer does not tell whether the query was counted: by its id it is so once.

@@ -20,6 +20,7 @@ Result<std::string> ReadPem(const std::string& path, const char* what) {
   MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadSmallFile(path, kReason));
   const std::size_t begin = pem.find("-----BEGIN ");
   const std::string line = pem.substr(std::min(begin, pem.size()), 64);
+  // Anywhere in the line, because keys also begin with BEGIN EC PRIVATE KEY and the like.
   if (line.find(what) != std::string::npos) return pem;
   return Refuse(path, std::string("holds no PEM that begins with BEGIN ") + what);
 }
@@ -27,6 +28,7 @@ Result<std::string> ReadPem(const std::string& path, const char* what) {
 Result<std::string> ReadToken(const std::string& path) {
   if (path.empty()) return std::string();
   MAPLOC_ASSIGN_OR_RETURN(std::string token, ReadSmallFile(path, kReason));
+  // Editors and echo end the line.
   while (token.ends_with('\n') || token.ends_with('\r')) token.pop_back();
   MAPLOC_RETURN_IF_ERROR(CheckTokenText(path, token));
   return token;

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
 namespace maploc {
 namespace {
 
@@ -53,17 +56,27 @@ std::string WithoutUser(std::string_view proxy) {
   return std::string(head) + std::string(proxy.substr(at + 1));
 }
 
+// 127.0.0.0/8. As an address and not as a name's beginning: 127.example.org may be anybody's, and a
+// token would go there in the clear.
+bool IsInLoopbackNet(std::string_view host) {
+  in_addr address{};
+  return inet_pton(AF_INET, std::string(host).c_str(), &address) == 1 &&
+         ntohl(address.s_addr) >> 24 == IN_LOOPBACKNET;
+}
+
 }  // namespace
 
 bool IsLoopback(std::string_view server) {
-  if (server.starts_with("unix")) return true;
+  // With the colon, because a host may be called unix-server.
+  if (server.starts_with("unix:") || server.starts_with("unix-abstract:")) return true;
   const std::string_view host = HostOf(server);
-  return host == "localhost" || host.starts_with("127.") || host == "::1" || host == "0.0.0.0" ||
+  return host == "localhost" || IsInLoopbackNet(host) || host == "::1" || host == "0.0.0.0" ||
          host == "::";
 }
 
 std::string ProxyInUse(std::string_view server) {
   if (IsLoopback(server) || GoesWithoutProxy(HostOf(server))) return "";
+  // In gRPC's order.
   for (const char* name : {"grpc_proxy", "https_proxy", "http_proxy"}) {
     const std::string_view proxy = Environment(name);
     if (!proxy.empty()) return WithoutUser(proxy) + " of " + name;

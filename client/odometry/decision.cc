@@ -20,6 +20,7 @@ std::string Decision::Reason() const {
   switch (verdict) {
     case Verdict::kTaken:
       return "taken: odometry agrees";
+    // What is contradicted is a gap, so that there is one.
     case Verdict::kPositionContradicted:
       return Print("held back: odometry contradicts its position by %.2f m (%.1f sigma)",
                    gap->distance_m, gap->position_sigmas) +

@@ -31,6 +31,8 @@ Status CheckSigmas(const std::string& field, const PoseSigmas& sigmas, bool may_
 }  // namespace
 
 Status CheckDrift(const OdometryDrift& drift) {
+  // At rest none may be zero, because Track divides by a sum of covariances that must be positive
+  // definite.
   MAPLOC_RETURN_IF_ERROR(CheckSigmas("drift.at_rest", drift.at_rest, false));
   MAPLOC_RETURN_IF_ERROR(CheckSigmas("drift.per_meter", drift.per_meter, true));
   return CheckSigmas("drift.per_radian", drift.per_radian, true);
@@ -40,6 +42,7 @@ PoseCovariance DriftCovariance(const OdometryDrift& drift, const Way& way,
                                const Eigen::Vector3d& travel_in_map) {
   const PoseVector variances = Growth(way.meters) * Variances(drift.per_meter) +
                                Growth(way.radians) * Variances(drift.per_radian);
+  // An error e of the rotation that came half way moves the end by e x travel / 2.
   PoseCovariance jacobian = PoseCovariance::Identity();
   jacobian.topRightCorner<3, 3>() = -CrossMatrix(travel_in_map / 2.0);
   return jacobian * variances.asDiagonal() * jacobian.transpose();

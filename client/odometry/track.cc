@@ -37,6 +37,7 @@ void Track::Advance(const Rigid3& odom_from_base) {
 
 UncertainPose Track::MapFromBase(const Rigid3& odom_from_base) const {
   UncertainPose pose = Moved(map_from_base_, odom_from_base_.Inverse() * odom_from_base);
+  // By the way driven and not by the distance: odometry drifts in a circle too.
   pose.covariance +=
       DriftCovariance(drift_, WayTo(odom_from_base),
                       pose.map_from_body.translation - map_from_base_.map_from_body.translation);
@@ -51,6 +52,7 @@ Gap Track::GapTo(const Rigid3& odom_from_base, const UncertainPose& answer) cons
   const UncertainPose expected = MapFromBase(odom_from_base);
   const PoseVector gap = Difference(answer.map_from_body, expected.map_from_body);
   const PoseCovariance covariance = expected.covariance + Measured(answer);
+  // Position and rotation apart, so that the verdict can name the one that contradicts.
   return {gap.head<3>().norm(), gap.tail<3>().norm(),
           Sigmas(gap.head<3>(), covariance.topLeftCorner<3, 3>()),
           Sigmas(gap.tail<3>(), covariance.bottomRightCorner<3, 3>())};
@@ -61,8 +63,10 @@ void Track::Take(const Rigid3& odom_from_base, const UncertainPose& answer, bool
   if (smooth) {
     const UncertainPose expected = MapFromBase(odom_from_base);
     const PoseCovariance sum = expected.covariance + measured;
+    // P S^-1 as (S^-1 P)^T, because both are symmetric: S is solved with and never inverted.
     const PoseCovariance gain = sum.llt().solve(expected.covariance).transpose();
     const PoseCovariance rest = PoseCovariance::Identity() - gain;
+    // Joseph's form of the update stays symmetric and positive whatever the rounding.
     map_from_base_ = {
         Plus(expected.map_from_body,
              gain * Difference(answer.map_from_body, expected.map_from_body)),

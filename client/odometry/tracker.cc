@@ -28,6 +28,7 @@ Result<Tracker> Tracker::Create(const TrackerOptions& options) {
 }
 
 Result<Decision> Tracker::Judge(const Rigid3& odom_from_base, const UncertainPose& answer) {
+  // Everything is checked before anything changes.
   MAPLOC_RETURN_IF_ERROR(CheckPose("odom_from_base", odom_from_base));
   MAPLOC_RETURN_IF_ERROR(CheckPose("answer.map_from_body", answer.map_from_body));
   MAPLOC_RETURN_IF_ERROR(CheckCovariance("answer.covariance", answer.covariance));
@@ -37,6 +38,7 @@ Result<Decision> Tracker::Judge(const Rigid3& odom_from_base, const UncertainPos
   if (decision.gap && Worst(*decision.gap) <= options_.max_sigmas) {
     track_->Take(odom_from_base, answer, options_.smooth);
     decision.verdict = Verdict::kTaken;
+    // Answer and odometry agree on this place, so the answers of other places were wrong.
     candidates_.clear();
     held_in_a_row_ = 0;
     return decision;

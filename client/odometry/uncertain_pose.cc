@@ -15,6 +15,7 @@ Eigen::Vector3d RotationVector(const Eigen::Quaterniond& rotation) {
   const double sign = rotation.w() < 0.0 ? -1.0 : 1.0;  // the shorter way round
   const double sine = rotation.vec().norm();
   const double angle = 2.0 * std::atan2(sine, sign * rotation.w());
+  // angle / sine tends to 2; with a smaller sine the quotient would only lose digits.
   return sine < 1e-12 ? Eigen::Vector3d(2.0 * sign * rotation.vec())
                       : Eigen::Vector3d(angle / sine * sign * rotation.vec());
 }
@@ -49,6 +50,7 @@ PoseVector Difference(const Rigid3& to, const Rigid3& from) {
 Rigid3 Plus(const Rigid3& pose, const PoseVector& difference) {
   const Eigen::Vector3d turn = difference.tail<3>();
   const double angle = turn.norm();
+  // Without an angle the axis is zero, and the turn the identity.
   const Eigen::Vector3d axis = angle > 0.0 ? Eigen::Vector3d(turn / angle) : turn;
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(angle, axis));
   return {(turned * pose.rotation).normalized(), pose.translation + difference.head<3>()};

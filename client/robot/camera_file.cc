@@ -78,6 +78,7 @@ std::ifstream OpenText(const std::string& path) {
     if (file.peek() != std::char_traits<char>::to_int_type(expected)) break;
     file.get();
   }
+  // A file shorter than the mark has been opened well; whoever reads it tells what it lacks.
   file.clear(file.rdstate() & ~std::ios::eofbit);
   return file;
 }
@@ -172,7 +173,8 @@ Result<Camera> ReadCameraFile(const CameraChoice& choice) {
   const std::string extension = Extension(file);
   if (extension == ".yaml" || extension == ".yml") {
     if (!choice.camera_id) return ReadEurocSensorYaml(file);
-    return InvalidArgument("--camera-id", "chooses among COLMAP's cameras; " + file + " is one");
+    return InvalidArgument("--camera-id", "chooses among COLMAP's cameras; " + file +
+                                              " holds one camera, so leave it out");
   }
   if (IsFolder(file)) return ReadFromModel(choice, file);
   if (extension == ".bin") {

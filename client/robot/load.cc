@@ -60,6 +60,7 @@ class LoadRobot {
  private:
   // When, after the start, the i-th query of this robot is to be sent; robots take turns.
   Seconds Due(Moment start, std::int64_t i) const {
+    // Without a rate a query is due as soon as the one before it is answered.
     if (options_.rate_per_second <= 0) return std::chrono::steady_clock::now() - start;
     return Seconds(static_cast<double>(i * options_.robots + index_) / options_.rate_per_second);
   }
@@ -83,6 +84,7 @@ class LoadRobot {
   }
 
   void Ask(std::int64_t i, Moment since) {
+    // Each robot begins with another query, so that not all ask for one segment at the same time.
     Query query = queries_[static_cast<std::size_t>(i + index_) % queries_.size()];
     query.map = map_;
     query.session = session_;
@@ -140,6 +142,7 @@ void Add(const LoadReport& one, LoadReport& all) {
 Status RunTogether(const std::vector<std::unique_ptr<LoadRobot>>& robots, Moment* start) {
   std::promise<std::optional<Moment>> go;
   const std::shared_future<std::optional<Moment>> begin = go.get_future().share();
+  // Behind what the threads use, so that it is destroyed, and they are joined, first.
   std::vector<std::jthread> threads;
   try {
     for (const auto& robot : robots) {

@@ -38,6 +38,8 @@ bool IsPlainFromRoot(const DescriptorKind& have, const DescriptorKind& want) {
   return have.name == "sift_root_u8" && want.name == "sift_u8";
 }
 
+// Cameras number their photos, so that this is the order of the drive; a prior needs it
+// (PriorMode).
 std::vector<ColmapImage> SortedByName(const ColmapModel& model) {
   std::vector<ColmapImage> images;
   for (const auto& [id, image] : model.images) images.push_back(image);
@@ -110,6 +112,7 @@ std::optional<double> RecordedRobot::SceneDepth(int index) const {
   for (const std::int64_t id : images_[index].point_ids) {
     const auto point = model_.points.find(id);
     if (point == model_.points.end()) continue;
+    // In the map's unit.
     depths.push_back((images_[index].camera_from_source * point->second.position_in_source).z() *
                      map_.map_from_source.scale);
   }
@@ -146,6 +149,7 @@ Result<Query> RecordedRobot::MakeQuery(int index) const {
   View view{model_.cameras.at(image.camera_id), Rigid3{}, {}, {}};
   MAPLOC_RETURN_IF_ERROR(AddFeatures(index, view));
   Query query;
+  // So that a line of the server's log leads to the photo.
   query.request_id = image.name;
   query.map = map_.key.name;
   query.views.push_back(std::move(view));

@@ -40,6 +40,8 @@ class Runner {
     entry.latency_ms = latency.count();
     entry.failure = localization.status();
     if (!localization.ok()) {
+      // A late answer is an event of the drive, as a robot would have it. Any other failure is one
+      // of the setup, which the next query would meet too.
       return IsLate(entry) ? Result<ReplayEntry>(entry) : localization.status();
     }
     if (localization->map_from_body) {

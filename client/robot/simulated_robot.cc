@@ -61,6 +61,7 @@ Rigid3 SimulatedRobot::ReferenceMapFromBody(int index) const {
 }
 
 Result<Query> SimulatedRobot::MakeQuery(int index) const {
+  // A generator of the query's own: it is the same query however many were asked before.
   Random random = Random(options_.seed).Fork(static_cast<std::uint64_t>(index));
   const Rigid3 camera_from_body = SimulatedCameraFromBody();
   const Rigid3 camera_from_world = camera_from_body * world_from_body_[index].Inverse();

@@ -90,6 +90,7 @@ class Looker {
   }
   static bool Hides(const Tree& tree, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     const Eigen::Vector2d sight = to - from;
+    // 1.5 radii and 0.5 m reach the middle of the longest branch (simulated_world.cc, AddTree).
     if ((to - tree.position).norm() <= 1.5 * tree.crown_radius_m + 0.5) return false;  // its own
     const double along =
         std::clamp((tree.position - from).dot(sight) / sight.squaredNorm(), 0.0, 1.0);

@@ -216,6 +216,7 @@ class Builder {
     const double height_m = random_.Uniform(2.5, 4.5);
     const Eigen::Vector3d top = foot + Eigen::Vector3d(0, 0, height_m);
     world_.trees.push_back({foot.head<2>(), crown_m});
+    // A trunk is seen as its two edges.
     for (const double side : {-0.15, 0.15}) {
       const Eigen::Vector3d shift(side, 0.0, 0.0);
       AddLine({foot + shift, top + shift * 0.8}, LandmarkKind::kTrunkLine, -1);

@@ -12,8 +12,10 @@ std::vector<std::size_t> Kept(std::size_t count, const std::vector<float>& scale
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
   if (scales_px.empty()) {
+    // Without scales nothing says which is strong, and the first ones may all be of one corner.
     for (std::size_t i = 0; i < keep; ++i) order[i] = i * count / keep;
   } else {
+    // Stable, so that equal scales give the same query in every run.
     std::ranges::stable_sort(
         order, [&](std::size_t a, std::size_t b) { return scales_px[a] > scales_px[b]; });
   }

@@ -44,6 +44,7 @@ void WriteChoice(std::ostream& out, const Explanation& e) {
               : "the least expected time")
       << ": " << Name(e.best);
   if (!e.has_evidence) {
+    // The share is kMinLocalizedShare of selector.cc.
     out << "; used only from " << e.options.min_localized_queries
         << " weighted localized queries on (now " << FixedText(e.statistics.weighted_localized, 1)
         << "), and if one query in ten is localized";

@@ -114,6 +114,7 @@ Result<std::vector<SegmentSummary>> SqliteStore::ListSegments(const MapKey& key)
   MAPLOC_ASSIGN_OR_RETURN(auto reader, connections_->Read());
   MAPLOC_ASSIGN_OR_RETURN(const StoredMap map, ReadMap(reader.database(), key));
   std::vector<SegmentSummary> segments;
+  // All in the transaction of `reader`, so that the segments are of one state.
   for (std::int64_t id = 0; id < map.summary.segments; ++id) {
     MAPLOC_ASSIGN_OR_RETURN(SegmentSummary summary,
                             ReadSummaryOf(reader.database(), map, static_cast<SegmentId>(id)));
@@ -184,6 +185,8 @@ Result<std::vector<SessionId>> SqliteStore::AppendGroup(
   std::vector<SessionId> ended;
   for (const auto& [id, observations] : group) {
     MAPLOC_ASSIGN_OR_RETURN(const Session session, ReadSession(writer.database(), id));
+    // Skipped and reported: a session that another process has ended must not cost the others of
+    // the group their observations.
     if (session.end != SessionEnd::kOpen) {
       ended.push_back(id);
       continue;

@@ -50,6 +50,7 @@ Status ValidateMapInfo(const MapInfo& info) {
 }
 
 Status ValidateNewSession(const Session& session) {
+  // Stricter than a name: ids are made by programs, and people paste them into commands.
   const bool printable = std::all_of(session.id.begin(), session.id.end(),
                                      [](char c) { return 0x20 < c && c < 0x7f; });
   if (session.id.empty() || session.id.size() > static_cast<std::size_t>(kMaxIdBytes) ||
@@ -68,6 +69,7 @@ Status ValidateNewSession(const Session& session) {
 
 Status ValidateObservation(const Observation& observation) {
   if (observation.sequence < 1) return InvalidArgument("observation.sequence", "counts from 1");
+  // -1 is an observation in no segment.
   if (observation.segment < -1) return InvalidArgument("observation.segment", "is negative");
   const Evidence& evidence = observation.evidence;
   MAPLOC_RETURN_IF_ERROR(ValidateCounts(evidence.points, "observation.points"));

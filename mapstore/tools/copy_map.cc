@@ -10,6 +10,7 @@ Result<MapKey> CopyMap(const MapStore& from, const MapKey& version, MapStore& to
                        const SegmentChanger& change) {
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments, from.ListSegments(version));
   MAPLOC_ASSIGN_OR_RETURN(const std::unique_ptr<MapWriter> writer, to.BeginImport(info));
+  // One after the other, so that memory holds one segment, however large the map.
   for (const SegmentSummary& summary : segments) {
     MAPLOC_ASSIGN_OR_RETURN(const auto segment, from.LoadSegment(version, summary.id));
     MAPLOC_RETURN_IF_ERROR(writer->AddSegment(change(*segment)));

@@ -15,6 +15,7 @@ std::vector<Decline> RankDeclines(const std::vector<SegmentChanges>& segments) {
       if (change.after < change.before) declines.push_back({segment.segment, change});
     }
   }
+  // Stable, so that of equal losses the lower segment comes first in every run.
   std::stable_sort(declines.begin(), declines.end(),
                    [](const Decline& a, const Decline& b) { return a.Loss() > b.Loss(); });
   return declines;

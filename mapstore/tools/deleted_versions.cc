@@ -8,6 +8,7 @@ namespace maploc {
 Result<std::vector<std::int64_t>> DeletedSince(const std::vector<MapSummary>& before,
                                                const MapStore& store, const std::string& name) {
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<MapSummary> after, store.ListVersions());
+  // By comparison, because the store deletes in the transaction that publishes and returns no list.
   std::vector<std::int64_t> deleted;
   for (const MapSummary& map : before) {
     const MapKey& key = map.info.key;

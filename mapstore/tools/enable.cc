@@ -77,6 +77,7 @@ Status Rollback(const CommandContext& context, const std::string& name) {
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<MapSummary> versions, store->ListVersions());
   MAPLOC_ASSIGN_OR_RETURN(const std::int64_t before, EnabledVersion(versions, name));
   MAPLOC_ASSIGN_OR_RETURN(const MapKey key, VersionBefore(versions, name));
+  // Deletes nothing: a rollback may itself be taken back.
   MAPLOC_RETURN_IF_ERROR(store->EnableVersion(key));
   return Report(context, key, before, {}), Status::Ok();
 }

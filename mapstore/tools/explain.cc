@@ -40,6 +40,7 @@ Json ToJson(const StrategyOutlook& outlook, double cost) {
           {"cost_of_iteration", cost}};
 }
 
+// Without p3p, which is no strategy to choose: it is drawn where there is no gravity.
 Json DrawsToJson(const Explanation& e) {
   Json draws;
   for (const Strategy strategy : {Strategy::k1P1L, Strategy::k2P, Strategy::kMixed}) {

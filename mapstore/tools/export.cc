@@ -27,9 +27,11 @@ Status ExportTo(const MapStore& store, const MapInfo& info, const std::string& t
   // Checked first, so that the error names the path that the user gave and not that of the partial
   // file.
   MAPLOC_RETURN_IF_ERROR(CheckNewStoreFile(to));
+  // With the process's id, so that two exports do not write to one file.
   const std::string partial = to + ".partial-" + std::to_string(getpid());
   Status status = WriteFile(store, info, partial).status();
   if (status.ok()) status = PublishStoreFile(partial, to);
+  // After a success, too: nothing of the work stays beside the new file.
   RemoveStoreFiles(partial);
   return status;
 }

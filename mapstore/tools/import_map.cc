@@ -42,6 +42,7 @@ Status Import(const CommandContext& context, const ImportFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto file, OpenSqliteStore(flags.from, source));
   MAPLOC_ASSIGN_OR_RETURN(MapInfo info, ChooseMap(*file, flags));
   const MapKey from = info.key;
+  // The version is new in this store, however old it is in the file.
   info.created_unix_ns = SystemClock().NowUnixNanos();
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenOrCreateStore(context));
   MAPLOC_ASSIGN_OR_RETURN(const auto before, store->ListVersions());

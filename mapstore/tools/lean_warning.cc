@@ -27,6 +27,7 @@ std::map<MapKey, std::map<std::string, RobotTilts>> CollectTilts(
 
 std::string Describe(const MapKey& map, const Lean& lean) {
   const Eigen::Vector3d down = GravityOfLean(lean.tilt_rad);
+  // A name has kMaxIdBytes at most; the rest, with its numbers, stays below 192.
   char text[320];
   std::snprintf(
       text, sizeof(text),

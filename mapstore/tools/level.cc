@@ -8,6 +8,7 @@
 #include "mapstore/model/rotate_segment.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/copy_map.h"
+#include "mapstore/tools/deleted_versions.h"
 #include "mapstore/tools/output.h"
 
 namespace maploc {
@@ -27,6 +28,7 @@ struct Levelled {
   MapKey after;  // the same where nothing changed
   Eigen::Vector3d gravity_in_map;
   double turn_rad = 0.0;
+  std::vector<std::int64_t> deleted;  // by --keep-versions
 };
 
 Result<Eigen::Vector3d> ReadGravity(const std::vector<double>& flag) {
@@ -52,8 +54,11 @@ Result<MapKey> WriteTurned(MapStore& store, const MapInfo& before,
 Result<Levelled> TurnMap(MapStore& store, const std::string& map,
                          const Eigen::Vector3d& gravity_in_map, const Publishing& publishing) {
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary summary, store.GetMap(map));
-  Levelled levelled{summary.info.key, summary.info.key, gravity_in_map,
-                    AngleBetween(gravity_in_map, kGravityInMap)};
+  Levelled levelled{summary.info.key,
+                    summary.info.key,
+                    gravity_in_map,
+                    AngleBetween(gravity_in_map, kGravityInMap),
+                    {}};
   if (levelled.turn_rad < kSmallestTurnRad) return levelled;
   const Eigen::Quaterniond turned_from_map = CameraFromAligned(gravity_in_map).conjugate();
   MAPLOC_ASSIGN_OR_RETURN(levelled.after,
@@ -68,7 +73,8 @@ nlohmann::ordered_json ToJson(const Levelled& levelled) {
           {"from_version", levelled.before.version},
           {"changed", levelled.after != levelled.before},
           {"turn_deg", levelled.turn_rad * kDegPerRad},
-          {"gravity", {gravity.x(), gravity.y(), gravity.z()}}};
+          {"gravity", {gravity.x(), gravity.y(), gravity.z()}},
+          {"deleted_versions", levelled.deleted}};
 }
 
 void PrintText(const Levelled& levelled) {
@@ -80,13 +86,15 @@ void PrintText(const Levelled& levelled) {
   std::cout << "Map " << levelled.after.name << " version " << levelled.after.version
             << " is version " << levelled.before.version << " turned by "
             << levelled.turn_rad * kDegPerRad << " degrees.\n";
+  PrintDeleted(levelled.deleted);
 }
 
 Status Level(const CommandContext& context, const LevelFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const Eigen::Vector3d gravity, ReadGravity(flags.gravity));
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
-  MAPLOC_ASSIGN_OR_RETURN(const Levelled levelled,
-                          TurnMap(*store, flags.map, gravity, flags.publishing));
+  MAPLOC_ASSIGN_OR_RETURN(const std::vector<MapSummary> before, store->ListVersions());
+  MAPLOC_ASSIGN_OR_RETURN(Levelled levelled, TurnMap(*store, flags.map, gravity, flags.publishing));
+  MAPLOC_ASSIGN_OR_RETURN(levelled.deleted, DeletedSince(before, *store, flags.map));
   if (context.json) return PrintJson(ToJson(levelled)), Status::Ok();
   PrintText(levelled);
   return Status::Ok();

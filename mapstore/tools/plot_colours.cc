@@ -39,6 +39,7 @@ std::string Gradient(double share) {
   return Hex(mixed);
 }
 
+// ColorBrewer's Dark2, told apart by the colour-blind too.
 std::string OfStrategy(Strategy strategy) {
   switch (strategy) {
     case Strategy::k1P1L:

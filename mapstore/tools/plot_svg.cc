@@ -59,6 +59,7 @@ Plan Frame(const std::vector<SegmentSummary>& segments) {
     for (const Eigen::Vector3d& position : segment.path_in_map) box.extend(position);
   }
   if (box.isEmpty()) box.extend(Eigen::Vector3d::Zero());
+  // At least one unit, for a path that is a single point.
   const Eigen::Vector3d border =
       Eigen::Vector3d::Constant(std::max(box.sizes().maxCoeff() / 3.0, 1.0));
   Plan plan;
@@ -99,6 +100,7 @@ void DrawLegend(const std::string& title, PlotColour colour, std::ostream& svg) 
   for (const LegendEntry& entry : LegendOf(colour)) {
     svg << "<text x='" << x << "' y='58'><tspan fill='" << entry.colour << "'>&#9632;</tspan> "
         << Escape(entry.text) << "</text>\n";
+    // An SVG cannot measure its text: a letter of this size takes about 8 px.
     x += 50.0 + 8.0 * static_cast<double>(entry.text.size());
   }
 }
@@ -115,6 +117,7 @@ std::string PlotSvg(const std::string& title, PlotColour colour,
       << FixedText(plan.HeightPx(), 0)
       << "' font-family='sans-serif' font-size='14'>\n<rect width='100%' height='100%' "
          "fill='white'/>\n";
+  // First, so that the paths lie over them.
   for (const auto& segment : landmarks) DrawLandmarks(*segment, plan, svg);
   for (std::size_t i = 0; i < segments.size(); ++i) {
     DrawPath(segments[i], ColourOf(colour, segments[i], changes[i]), plan, svg);

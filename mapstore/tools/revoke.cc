@@ -27,6 +27,7 @@ Result<std::vector<SegmentSummary>> VisitedSegments(const MapStore& store, const
   MAPLOC_ASSIGN_OR_RETURN(const auto observations, store.ListObservations(session.id));
   std::set<SegmentId> visited;
   for (const Observation& observation : observations) visited.insert(observation.segment);
+  // -1 stands for queries in no segment.
   visited.erase(-1);
   std::vector<SegmentSummary> segments;
   for (const SegmentId id : visited) {
@@ -80,6 +81,7 @@ void PrintText(const Session& session, bool undo, const std::vector<Change>& cha
 
 Status Revoke(const CommandContext& context, const RevokeFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
+  // As it was before, so that the report can say whether anything changed.
   MAPLOC_ASSIGN_OR_RETURN(const Session session, store->GetSession(flags.session));
   MAPLOC_ASSIGN_OR_RETURN(const auto changes, Apply(*store, session, flags.undo));
   if (context.json) return PrintJson(ToJson(session, flags.undo, changes)), Status::Ok();

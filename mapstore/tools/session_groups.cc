@@ -20,6 +20,7 @@ Status CheckRecomputed(const SegmentSummary& segment, const std::vector<SegmentS
 
 bool HasLabels(const Session& session, const std::vector<std::string>& labels) {
   return std::all_of(labels.begin(), labels.end(), [&](const std::string& label) {
+    // The flag's check has made sure that it is there (stats.cc).
     const std::size_t split = label.find('=');
     const auto found = session.labels.find(label.substr(0, split));
     return found != session.labels.end() && found->second == label.substr(split + 1);

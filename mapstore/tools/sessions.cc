@@ -100,6 +100,7 @@ std::vector<SessionLine> MakeLines(const std::vector<SeenSession>& sessions) {
   std::vector<SessionLine> lines;
   for (const SeenSession& seen : sessions) {
     lines.push_back(LineOf(seen));
+    // A revoked session was not compared, and has none.
     lines.back().differences = std::move(compared[seen.session.map][seen.session.id]);
   }
   return lines;

@@ -119,6 +119,8 @@ Status Stats(const CommandContext& context, const StatsFlags& flags) {
   MAPLOC_ASSIGN_OR_RETURN(const auto store, OpenExistingStore(context));
   MAPLOC_ASSIGN_OR_RETURN(const MapSummary map, FindMap(*store, flags.map, flags.version));
   MAPLOC_ASSIGN_OR_RETURN(const auto groups, ReadGroups(*store, map.info.key, flags.groups));
+  // All sessions of the version, whatever --label chose: a lean is the map's, and all robots see
+  // it.
   MAPLOC_ASSIGN_OR_RETURN(const auto sessions, ReadSessions(*store, map.info.key));
   for (const std::string& lean : DescribeLeans(sessions)) std::cerr << lean << "\n";
   context.json ? PrintJsonOf(groups, flags.groups) : PrintText(groups, flags.groups);

@@ -45,6 +45,7 @@ Result<Eigen::Quaterniond> QuaternionFromProto(const v1::Quaternion& quaternion,
                                                const std::string& field) {
   const Eigen::Quaterniond result(quaternion.w(), quaternion.x(), quaternion.y(), quaternion.z());
   if (!result.coeffs().allFinite()) return InvalidArgument(field, "must be finite", "NOT_FINITE");
+  // Numbers that were written with four digits pass; they are normalized below.
   constexpr double kNormTolerance = 1e-3;
   // stableNorm, because squares of huge components overflow and the message would name an infinite
   // norm.

@@ -22,6 +22,7 @@ Result<DescriptorKind> DescriptorKindFromProto(const v1::DescriptorKind& kind,
       kind.metric() != v1::DESCRIPTOR_METRIC_L2_U8) {
     return convert::UnknownEnum(field + ".metric", kind.metric());
   }
+  // DescriptorMetric has the wire's numbers.
   return DescriptorKind{kind.name(), kind.bytes_count(),
                         static_cast<DescriptorMetric>(kind.metric())};
 }

@@ -75,6 +75,7 @@ void AppendPoint(const Eigen::Vector2f& point_px, v1::Features* proto) {
 
 Result<PointFeatures> PointFeaturesFromProto(const v1::Features& features,
                                              const std::string& field) {
+  // First, because it bounds the count by which the rest allocates.
   MAPLOC_RETURN_IF_ERROR(CheckCoordinates(features, field, 2));
   const int count = features.coordinates_pixels_size() / 2;
   PointFeatures result;

@@ -9,8 +9,11 @@
 namespace maploc {
 namespace {
 
-FeatureCounts CountsFromProto(const v1::FeatureCounts& counts) {
-  return {counts.match_count(), counts.inlier_count()};
+Result<FeatureCounts> CountsFromProto(const v1::FeatureCounts& counts, const char* field) {
+  if (counts.inlier_count() < 0 || counts.inlier_count() > counts.match_count()) {
+    return InvalidArgument(field, "needs 0 <= inlier_count <= match_count", "OUT_OF_RANGE");
+  }
+  return FeatureCounts{counts.match_count(), counts.inlier_count()};
 }
 
 StageTimes TimesFromProto(const v1::StageTimes& times) {
@@ -54,9 +57,11 @@ Result<std::optional<FocalScale>> FocalScaleFromProto(const v1::LocalizeResponse
 
 Result<Evidence> EvidenceFromProto(const v1::LocalizeResponse& response) {
   Evidence evidence;
-  evidence.points = CountsFromProto(response.points());
-  evidence.usable_lines = CountsFromProto(response.usable_lines());
-  evidence.vertical_lines = CountsFromProto(response.vertical_lines());
+  MAPLOC_ASSIGN_OR_RETURN(evidence.points, CountsFromProto(response.points(), "points"));
+  MAPLOC_ASSIGN_OR_RETURN(evidence.usable_lines,
+                          CountsFromProto(response.usable_lines(), "usable_lines"));
+  MAPLOC_ASSIGN_OR_RETURN(evidence.vertical_lines,
+                          CountsFromProto(response.vertical_lines(), "vertical_lines"));
   MAPLOC_ASSIGN_OR_RETURN(evidence.strategy,
                           convert::StrategyFromProto(response.strategy(), "strategy"));
   evidence.fell_back = response.fell_back();
@@ -77,6 +82,7 @@ Status CheckNumbers(const v1::LocalizeResponse& response) {
       {"predicted_success", response.predicted_success()},
       {"gravity_disagreement_radians", response.gravity_disagreement_radians()},
       {"inlier_rms_pixels", response.inlier_rms_pixels()},
+      {"iteration_count", static_cast<double>(response.iteration_count())},
       {"times.convert_ms", times.convert_ms()},
       {"times.retrieval_ms", times.retrieval_ms()},
       {"times.matching_ms", times.matching_ms()},
@@ -96,6 +102,12 @@ Result<PoseCovariance> CovarianceFromProto(const v1::LocalizeResponse& response)
   PoseCovariance covariance;
   for (int i = 0; i < 36; ++i) covariance(i / 6, i % 6) = response.covariance(i);
   if (!covariance.allFinite()) return InvalidArgument("covariance", "must be finite", "NOT_FINITE");
+  // A client shows the root of a variance.
+  for (int i = 0; i < 6; ++i) {
+    if (covariance(i, i) >= 0.0) continue;
+    return InvalidArgument(convert::At("covariance", 7 * i), "is a negative variance",
+                           "OUT_OF_RANGE");
+  }
   return covariance;
 }
 
@@ -116,6 +128,7 @@ Status PoseFromProto(const v1::LocalizeResponse& response, Localization* result)
 
 Result<Localization> LocalizationFromProto(const v1::LocalizeResponse& response,
                                            const std::string& map) {
+  // An outcome of a newer server is refused, because nobody here knows whether it has a pose.
   if (response.outcome() < v1::OUTCOME_LOCALIZED ||
       response.outcome() > v1::OUTCOME_CALIBRATION_INCONSISTENT) {
     return convert::UnknownEnum("outcome", response.outcome());

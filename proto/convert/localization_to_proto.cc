@@ -69,6 +69,7 @@ void LocalizationToProto(const Query& query, const Localization& localization, b
   response->set_predicted_success(localization.predicted_success);
   EvidenceToProto(localization.evidence, response);
   TimesToProto(localization.times, response->mutable_times());
+  // Echoed, so that a robot with several queries on their way can tell the answers apart.
   response->set_request_id(query.request_id);
   response->set_capture_unix_nanos(query.capture_unix_ns);
   if (include_matches) {

@@ -136,6 +136,8 @@ Result<Query> QueryFromProto(const v1::LocalizeRequest& request) {
   }
   MAPLOC_ASSIGN_OR_RETURN(query.refinement, RefinementFromProto(request.refinement()));
   MAPLOC_ASSIGN_OR_RETURN(query.max_error_px, MaxErrorFromProto(request));
+  // Last, because it is the largest part: a request that is refused for another field is not
+  // copied.
   MAPLOC_ASSIGN_OR_RETURN(View view, ViewFromProto(request.views(0), "views[0]"));
   query.views.push_back(std::move(view));
   return query;

@@ -66,6 +66,7 @@ void SessionSummaryToProto(const SessionSummary& summary, v1::EndSessionResponse
 
 Result<SessionSummary> SessionSummaryFromProto(const v1::EndSessionResponse& response,
                                                const SessionId& session) {
+  // 0 would be an open session, which has no summary.
   if (response.end() != v1::SESSION_END_BY_ROBOT && response.end() != v1::SESSION_END_IDLE) {
     return convert::UnknownEnum("end", response.end());
   }

@@ -6,6 +6,7 @@
 namespace maploc {
 namespace {
 
+// In the order of Role.
 constexpr std::array<std::string_view, 3> kRoleNames{"robot", "operator", "viewer"};
 
 Status Forbidden(const char* reason, const std::string& why) {
@@ -64,6 +65,8 @@ Status Caller::CheckLocalizeIn(const Session& session) const {
 
 Status Caller::CheckEnd(const Session& session) const {
   if (grant_ && grant_->role == Role::kOperator) return CheckRead(session.map.name);
+  // Without CheckRead: a robot may end what it has begun, also with a new token that is not for the
+  // map.
   MAPLOC_RETURN_IF_ERROR(CheckRobot());
   return CheckOwn(session);
 }

@@ -33,6 +33,8 @@ std::string Hex(std::span<const std::uint8_t> bytes) {
 
 Result<Token> NewToken() {
   std::array<std::uint8_t, kIdBytes + kSecretBytes> bytes;
+  // Waits until the kernel's generator is seeded, which may take a moment after the machine's
+  // start; a signal ends the wait.
   ssize_t got = -1;
   do {
     got = getrandom(bytes.data(), bytes.size(), 0);

@@ -32,10 +32,12 @@ Status TokenBook::Reload() {
   // Before it is read: a change in between is seen the next time.
   const std::optional<FileState> state = FileState::Of(file_.path());
   if (seen_ && *seen_ == state) return Status::Ok();
+  // A file that cannot be read is tried again at the next look, also where its state is the same.
   seen_.reset();
   MAPLOC_ASSIGN_OR_RETURN(std::optional<TokenRecords> records, file_.Read());
   if (!records && had_file_) {
-    return Status(StatusCode::kUnavailable, "TOKENS_UNREADABLE", file_.path() + " is gone");
+    return Status(StatusCode::kUnavailable, "TOKENS_UNREADABLE",
+                  file_.path() + " is gone; put it back, or make new tokens");
   }
   seen_ = state;
   if (!records) return Status::Ok();
@@ -45,6 +47,7 @@ Status TokenBook::Reload() {
 }
 
 TokenBook::Known TokenBook::Look() {
+  // The file is read under the lock, so that of many callers one reads it.
   const std::lock_guard lock(mutex_);
   const auto now = std::chrono::steady_clock::now();
   if (now < next_look_) return known_;
@@ -79,10 +82,14 @@ Result<Caller> TokenBook::Authenticate(std::optional<std::string_view> authoriza
   }
   const auto found = known->find(token->id);
   if (found == known->end() || !SameHash(found->second.hash, HashSecret(token->secret))) {
-    return Unauthenticated("TOKEN_WRONG", "the server does not know this token");
+    return Unauthenticated("TOKEN_WRONG",
+                           "the server does not know this token; was it made for another store?");
   }
+  // Only after the secret was found right: nobody else learns what became of a token.
   if (found->second.revoked_unix_ns) {
-    return Unauthenticated("TOKEN_REVOKED", "token " + token->id + " has been revoked");
+    return Unauthenticated("TOKEN_REVOKED", "token " + token->id +
+                                                " has been revoked; maploc-server token create "
+                                                "makes another one");
   }
   const std::optional<std::int64_t> expires = found->second.expires_unix_ns;
   if (expires && SystemClock().NowUnixNanos() >= *expires) {

@@ -70,6 +70,8 @@ void GiveToOwnerOfFolder(const std::string& path, int fd) {
 Result<File> OpenToWrite(const std::string& path, bool create) {
   File file(open(path.c_str(), O_RDWR | O_CLOEXEC | (create ? O_CREAT : 0), 0600));
   if (file.get() < 0) return NotWritten(path, errno);
+  // A lock of the open file (OFD) and not of the process: that one is lost when the process closes
+  // any descriptor of the file, as Read does.
   struct flock whole_file {};
   whole_file.l_type = F_WRLCK;
   whole_file.l_whence = SEEK_SET;
@@ -126,6 +128,8 @@ Result<Token> TokenFile::Create(const Grant& grant,
 }
 
 Status TokenFile::Revoke(const std::string& id) const {
+  // Read first: an unknown id, or a file that is broken, is told before anything is opened to
+  // write.
   MAPLOC_ASSIGN_OR_RETURN(const std::optional<TokenRecords> known, Read());
   if (!known || !known->contains(id)) return NotFound("token '" + id + "'", "TOKEN_NOT_FOUND");
   if (known->at(id).revoked_unix_ns) return Status::Ok();

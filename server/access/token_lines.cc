@@ -49,6 +49,7 @@ Result<TokenRecord> ParseRecord(const Json& json) {
 
 Status AddLine(std::string_view line, TokenRecords* records) {
   const Json json = Json::parse(line, nullptr, /*allow_exceptions=*/false);
+  // A line that is no JSON has no id, and is refused as such.
   const std::string id = Text(At(json, "id"));
   if (!IsHex(id, kIdDigits)) return InvalidArgument("id", "is not 16 hexadecimal digits");
   const std::string event = Text(At(json, "event"));
@@ -92,6 +93,7 @@ std::string CreatedLine(const std::string& id, const TokenRecord& record) {
             {"sha256", record.hash},
             {"unix_ns", record.created_unix_ns}};
   if (record.expires_unix_ns) line["expires_unix_ns"] = *record.expires_unix_ns;
+  // It does not throw, because CheckGrant refuses names that are not UTF-8.
   return line.dump() + "\n";
 }
 

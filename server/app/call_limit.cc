@@ -42,6 +42,8 @@ class CallLimit::Calls {
   std::optional<std::string> Count(const std::string& peer) {
     const std::lock_guard lock(mutex_);
     ++all_;
+    // Once, at the step over the limit: the connection takes a moment to end, and its calls still
+    // come.
     if (++of_peer_[peer] == kMaxOfPeer + 1) return Tell(peer), peer;
     if (all_ <= kMaxOfAll) return std::nullopt;
     const auto most =

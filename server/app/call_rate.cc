@@ -49,6 +49,7 @@ class CallRate {
 
   // Those that are full are as good as new ones.
   void Forget(Clock::time_point now) {
+    // An empty bucket is full again after 26 ms, so a second is long enough.
     std::erase_if(buckets_, [now](const auto& entry) {
       return now - entry.second.filled > std::chrono::seconds(1);
     });
@@ -61,6 +62,7 @@ class CallRate {
 void Process(void* state, grpc_auth_context* connection, const grpc_metadata*, std::size_t,
              grpc_process_auth_metadata_done_cb done, void* call) {
   const bool admitted = static_cast<CallRate*>(state)->Admit(connection);
+  // No metadata is consumed: the handler still needs `authorization`.
   done(call, nullptr, 0, nullptr, 0, admitted ? GRPC_STATUS_OK : GRPC_STATUS_RESOURCE_EXHAUSTED,
        admitted ? nullptr : kRefusal);
 }
@@ -73,6 +75,7 @@ class Limited final : public grpc::ServerCredentials {
         {Process, [](void* state) { delete static_cast<CallRate*>(state); }, new CallRate});
   }
   ~Limited() override { grpc_server_credentials_release(transport_); }
+  // Nothing, because another processor would replace the limit.
   void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
 
  private:

@@ -62,6 +62,7 @@ void PrintJson(const ParsedOptions& parsed) {
     options.push_back({{"option", value.option}, {"value", value.value}, {"from", value.from}});
   }
   const Json document{{"options", options}, {"faults", parsed.faults}};
+  // Values come from an environment whose text need not be UTF-8.
   std::cout << document.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
 }
 

@@ -39,11 +39,14 @@ std::string PeerName(const sockaddr_storage& address) {
 }
 
 // What was sent and not read is dropped, too.
+// To connect to nobody resets a TCP connection and leaves the descriptor to its owner. shutdown()
+// would leave gRPC to read on.
 void Disconnect(int fd) {
   const sockaddr nobody{};  // AF_UNSPEC
   static_cast<void>(connect(fd, &nobody, sizeof(nobody)));
 }
 
+// The kernel's count, because gRPC does not tell how much of a message it has.
 std::uint64_t ReceivedBytes(int fd) {
   tcp_info info{};
   socklen_t size = sizeof(info);
@@ -60,6 +63,7 @@ Connections::Accepted Connections::Accept(int socket, OwnedFd* fd) {
   *fd = OwnedFd(
       accept4(socket, reinterpret_cast<sockaddr*>(&peer), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (!*fd) return Accepted::kNone;
+  // Accepted and then closed: left in the socket's queue it would wake the acceptor again at once.
   if (AreTooMany()) return *fd = OwnedFd(), Accepted::kTooMany;
   SendAtOnce(fd->get());
   struct stat status {};
@@ -140,6 +144,8 @@ int Connections::LimitUploads(std::uint64_t max_bytes) {
   std::vector<Upload> uploads = Uploads();
   std::uint64_t all = 0;
   for (const Upload& upload : uploads) all += upload.bytes;
+  // The longest first: an honest upload is over within moments, one that holds memory on purpose is
+  // not.
   std::ranges::sort(uploads, {}, &Upload::began);
   int ended = 0;
   for (const Upload& upload : uploads) {

@@ -21,6 +21,7 @@ Status CheckExposure(const ServerOptions& options) {
 }
 
 bool NeedsTokens(const ServerOptions& options) {
+  // A client's certificate says already who may come.
   return IsExposed(options) && options.tls.client_ca.empty();
 }
 

@@ -14,6 +14,7 @@ void HealthBoard::Open(grpc::HealthCheckServiceInterface* service) {
 
 void HealthBoard::Close() {
   const std::lock_guard lock(mutex_);
+  // Cleared first, so that a later SetHealthy does not turn the server SERVING again.
   grpc::HealthCheckServiceInterface* const service = std::exchange(service_, nullptr);
   if (service != nullptr) service->SetServingStatus(false);
 }

@@ -1,6 +1,8 @@
 #include "server/app/listening_sockets.h"
 
 #include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <string_view>
 
@@ -73,6 +75,7 @@ OwnedFd ListenOnOne(const addrinfo& address) {
   OwnedFd fd(socket(address.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!fd) return fd;
   Set(fd.get(), SOL_SOCKET, SO_REUSEADDR, 1);
+  // Else the system's setting (net.ipv6.bindv6only) decides whether [::] takes IPv4.
   if (address.ai_family == AF_INET6) Set(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, 0);
   const bool listens =
       bind(fd.get(), address.ai_addr, address.ai_addrlen) == 0 && listen(fd.get(), SOMAXCONN) == 0;
@@ -87,7 +90,9 @@ ListeningSockets ListenOnAll(const addrinfo* addresses, int port) {
     SetPort(address->ai_addr, result.port);
     OwnedFd fd = ListenOnOne(*address);
     if (!fd && errno == EADDRINUSE) return {};
+    // A name may have addresses that are not this machine's, such as ::1 without IPv6.
     if (!fd) continue;
+    // What the system chose for the first address must be the port of the others, too.
     result.port = PortOf(fd.get());
     result.sockets.push_back(std::move(fd));
   }
@@ -117,6 +122,17 @@ bool IsLoopback(const sockaddr* address) {
   return IN6_IS_ADDR_LOOPBACK(&six) != 0;
 }
 
+Status CannotListen(const std::string& address, const std::string& why) {
+  return Status(StatusCode::kUnavailable, "CANNOT_LISTEN",
+                "cannot listen on " + address + ": " + why);
+}
+
+std::string CureOf(int error) {
+  if (error == EADDRINUSE) return "stop the program that has the port, or choose another one";
+  if (error == EACCES) return "choose a port above 1023, or start as root";
+  return "give an address of this machine";
+}
+
 bool IsEveryAddress(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
 
 }  // namespace
@@ -139,6 +155,9 @@ bool IsBeyondLoopback(const std::string& address) {
 Result<ListeningSockets> ListenOn(const std::string& address) {
   const HostAndPort split = Split(address);
   const int port = std::atoi(split.port.c_str());
+  if (Resolve(split.host, "0") == nullptr) {
+    return CannotListen(address, "the host is unknown; give one of this machine's names");
+  }
   errno = 0;
   // An IPv6 socket takes both families; a machine without IPv6 has none.
   ListeningSockets result = ListenOnHost(IsEveryAddress(split.host) ? "::" : split.host, port);
@@ -146,9 +165,7 @@ Result<ListeningSockets> ListenOn(const std::string& address) {
     result = ListenOnHost("0.0.0.0", port);
   }
   if (!result.sockets.empty()) return result;
-  return Status(
-      StatusCode::kUnavailable, "CANNOT_LISTEN",
-      "cannot listen on " + address + "; is the port in use, or the host not this machine's?");
+  return CannotListen(address, std::string(std::strerror(errno)) + "; " + CureOf(errno));
 }
 
 }  // namespace maploc

@@ -55,6 +55,7 @@ void OpenLog(const maploc::ServerOptions& options) {
 }
 
 int Fail(const maploc::Status& status) {
+  // Not by the log, whose level or format may hide it.
   std::cerr << "maploc-server: " << status.message() << " (" << status.reason() << ")\n";
   return 1;
 }

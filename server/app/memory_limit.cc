@@ -33,6 +33,8 @@ std::filesystem::path ControlGroup(const std::filesystem::path& root) {
 
 std::int64_t MemoryLimit(const std::filesystem::path& root) {
   const std::filesystem::path groups = root / "sys/fs/cgroup";
+  // Version 1. In a container its own group is mounted at the root; outside of one the root has no
+  // limit.
   std::int64_t limit = Tighter(MachineMemory(), groups / "memory/memory.limit_in_bytes");
   // A group is bound by those above it, too.
   std::filesystem::path group = groups;

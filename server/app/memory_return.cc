@@ -31,6 +31,7 @@ void MemoryReturn::Run() {
   std::unique_lock lock(mutex_);
   while (!stop_.wait_for(lock, kInterval, [this] { return stopping_; })) {
     const std::size_t unused = mallinfo2().fordblks;
+    // A part of it may be in use again.
     given_back = std::min(given_back, unused);
     if (unused <= given_back + kMaxUnusedBytes) continue;
     malloc_trim(0);

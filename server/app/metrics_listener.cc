@@ -62,6 +62,7 @@ struct MetricsListener::Impl {
       : metrics(std::move(content.metrics)),
         health(std::move(content.healthy)),
         server(HttpOptions(address)) {
+    // Without the $ civetweb would give a page also for every address below it.
     server.addHandler("/metrics$", metrics);
     server.addHandler("/healthz$", health);
   }

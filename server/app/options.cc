@@ -129,7 +129,9 @@ std::vector<std::string> Environment(const CLI::App& app) {
     const std::string flag = "--" + option->get_single_name();
     const char* value = std::getenv(EnvironmentName(flag).c_str());
     const bool is_question = !option->get_configurable() && option != app.get_config_ptr();
-    if (is_question || value == nullptr) continue;
+    // An empty variable is one that a compose file leaves out. As "--port-file=" CLI11 would take
+    // the next argument for its value.
+    if (is_question || value == nullptr || *value == '\0') continue;
     arguments.push_back(flag + "=" + value);
   }
   return arguments;
@@ -154,6 +156,7 @@ int Explain(const CLI::App& app, const CLI::ParseError& error) {
   if (app.exit(error) == 0) return 0;
   const bool of_the_file = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::FileError) ||
                            error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ConfigError);
+  // A file that cannot be used is a failure (1), not wrong usage (2).
   return of_the_file ? kExitFailed : kExitWrongUsage;
 }
 

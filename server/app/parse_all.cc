@@ -39,6 +39,7 @@ CLI::Validator* ValidatorAt(CLI::Option* option, int index) {
 // A value that is refused is told, and the default takes its place.
 void Collect(CLI::Option* option, Words* faults) {
   for (int i = 0; CLI::Validator* const validator = ValidatorAt(option, i); ++i) {
+    // A copy, because its operation is replaced below.
     const CLI::Validator strict = *validator;
     validator->operation([strict, option, faults](std::string& value) {
       const std::string fault = strict(value);
@@ -48,6 +49,7 @@ void Collect(CLI::Option* option, Words* faults) {
       }
       return std::string();
     });
+    // Else CLI11 gives it a copy of the value, and the default would be lost.
     validator->non_modifying(false);
   }
 }
@@ -129,6 +131,7 @@ std::string SourceOf(const CLI::Option& option, const Words& environment, const 
 
 ParsedOptions ParseAll(CLI::App& app, const Words& environment, const Words& flags) {
   Words faults;
+  // What is unknown is collected, and does not end the parse.
   app.allow_extras();
   app.allow_config_extras(CLI::config_extras_mode::capture);
   std::vector<Demand> demands;

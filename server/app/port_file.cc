@@ -11,6 +11,7 @@ Status WritePortFile(const std::string& path, int port) {
   const std::string unfinished = path + ".tmp";
   std::ofstream file(unfinished, std::ios::trunc);
   file << port << '\n';
+  // Before the check, because a full disk shows only when the buffer is written.
   file.close();
   std::error_code error;
   if (file.good()) std::filesystem::rename(unfinished, path, error);

@@ -35,6 +35,7 @@ int Queue(const ServerOptions& options) {
 }
 
 std::int64_t CacheBytes(const ServerOptions& options) {
+  // The other half is for the index of places, queries and gRPC.
   return options.cache_bytes > 0 ? options.cache_bytes : MemoryLimit() / 2;
 }
 
@@ -127,6 +128,7 @@ Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options,
   std::unique_ptr<Server> server(new Server(options, std::move(store), std::move(lock),
                                             std::move(credentials), std::move(on_lost)));
   MAPLOC_RETURN_IF_ERROR(server->StartDomain());
+  // Before the port file is written: whoever sees that file finds the metrics, too.
   MAPLOC_RETURN_IF_ERROR(server->ListenForScrapes());
   MAPLOC_RETURN_IF_ERROR(server->Listen());
   if (!options.port_file.empty()) {
@@ -185,6 +187,8 @@ Status Server::Listen() {
     grpc_server_ = std::move(started);
   }
   port_ = sockets.port;
+  // After gRPC has started, which gets the connections. Those that come before wait in the sockets'
+  // queues.
   acceptor_ = std::make_unique<Acceptor>(
       std::move(sockets), &connections_,
       AcceptorOptions{[handover](int fd) { HandOver(*handover, fd); }, [this] { LoseListener(); }});
@@ -212,6 +216,7 @@ ServerState Server::State() {
   bool serving = false;
   {
     const std::lock_guard lock(mutex_);
+    // Scrapes begin before the server listens, and go on while it stops.
     serving = grpc_server_ != nullptr && stage_ == Stage::kServing;
   }
   ServerState state;
@@ -249,6 +254,8 @@ Status Server::Shutdown() {
   if (grpc_server_ != nullptr) {
     health_board_.Close();
     if (!services_->Drain(begin + kDrainTime)) spdlog::warn("some requests are cut off unfinished");
+    // Only now: until here a robot that connects is told SHUTTING_DOWN, instead of getting no
+    // answer.
     acceptor_.reset();
     // Nothing of ours runs any more; what is left are watchers of the health, who are to hear it.
     grpc_server_->Shutdown(std::chrono::system_clock::now() + kTimeOfWatchers);

@@ -32,13 +32,18 @@ std::optional<TlsMaterial> TlsCredentials::Changed() {
   const States states{FileState::Of(files_.cert), FileState::Of(files_.key),
                       FileState::Of(files_.client_ca)};
   if (states == seen_) return std::nullopt;
-  const bool first = !std::exchange(seen_, states).has_value();
   Result<TlsMaterial> material = ReadTlsMaterial(files_);
   if (!material.ok()) {
-    spdlog::warn("new TLS files are not used, the ones before are: {}",
-                 material.status().ToString());
+    // Not noted as seen: permissions and the clock may make the same files good, and no state tells
+    // either. They are then read for each connection, and told once.
+    const std::string refusal = material.status().ToString();
+    if (std::exchange(told_, refusal) != refusal) {
+      spdlog::warn("new TLS files are not used, the ones before are: {}", refusal);
+    }
     return std::nullopt;
   }
+  told_.clear();
+  const bool first = !std::exchange(seen_, states).has_value();
   certificate_end_unix_s_ = material->end_unix_s;
   if (!first) spdlog::info("new connections get the new certificate in {}", files_.cert);
   return *std::move(material);

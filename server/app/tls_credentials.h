@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 
 #include <grpc/grpc_security.h>
 
@@ -37,13 +38,15 @@ class TlsCredentials {
   static grpc_ssl_certificate_config_reload_status Fetch(
       void* credentials, grpc_ssl_server_certificate_config** config);
   // What is new since the last call; nullopt: nothing that fits. New files that do not (a renewal
-  // that is half done) are told in the log, and the ones before serve on.
+  // that is half done) are told in the log, the ones before serve on, and the new ones are tried
+  // again with the next connection.
   std::optional<TlsMaterial> Changed();
 
   const TlsFiles files_;
   std::atomic<std::int64_t> certificate_end_unix_s_;
   std::mutex mutex_;
-  std::optional<States> seen_;
+  std::optional<States> seen_;  // of the files in use
+  std::string told_;            // the refusal that the log has, once
 };
 
 }  // namespace maploc

@@ -39,6 +39,8 @@ Bio Reader(const std::string& pem) {
 int NoPassphrase(char*, int, int, void*) { return 0; }
 
 // The first of `pem`; null: it holds none.
+// Errors are cleared here and below: what OpenSSL leaves in this thread's queue it would take for a
+// failure of the thread's next handshake.
 Certificate FirstCertificate(const std::string& pem) {
   Certificate certificate(PEM_read_bio_X509(Reader(pem).get(), nullptr, NoPassphrase, nullptr));
   ERR_clear_error();
@@ -80,6 +82,7 @@ Status CheckDates(const std::string& path, const X509& certificate) {
 std::int64_t EndOf(const X509& certificate) {
   std::tm utc{};
   ASN1_TIME_to_tm(X509_get0_notAfter(&certificate), &utc);
+  // mktime would take it for local time.
   return timegm(&utc);
 }
 

@@ -96,6 +96,7 @@ Status Create(const Flags& flags) {
     std::cout << Json{{"id", token.id}, {"token", TokenText(token)}}.dump(2) << "\n";
     return Status::Ok();
   }
+  // On standard error, so that the token alone is on standard output for a script.
   std::cerr << "token " << token.id << " is shown this once; keep it in a file that its user alone "
             << "may read\n";
   std::cout << TokenText(token) << "\n";
@@ -162,6 +163,7 @@ void AddCreate(CLI::App& app, Flags& flags, Work* chosen) {
   create->add_option("--map", flags.grant.maps, "A map that the token is for, repeated; none: all")
       ->take_all();
   create->callback([&flags, chosen] {
+    // CLI11 can make an option need another one, but not a value of another one.
     if ((flags.role == "robot") == flags.grant.robot.empty()) {
       throw CLI::ValidationError("--robot", "goes with --role robot, and with no other role");
     }
@@ -193,6 +195,7 @@ int RunTokenCommand(int argc, const char* const* argv) {
       ->add_option("--id", flags.id, "As `list` has it")
       ->required();
   try {
+    // The word "token" stands where CLI11 expects the program's name.
     app.parse(argc - 1, argv + 1);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitWrongUsage;

@@ -9,6 +9,7 @@ namespace {
 // Before the session ends, so that no moment is left in which it counts.
 Status Discard(MapStore& store, const SessionId& id) {
   MAPLOC_ASSIGN_OR_RETURN(const Session session, store.GetSession(id));
+  // A repeated discard, or an operator was first.
   if (session.revoked) return Status::Ok();
   if (session.end == SessionEnd::kOpen) return store.RevokeSession(id);
   return FailedPrecondition("SESSION_CLOSED", "session '" + id +
@@ -22,6 +23,8 @@ Status HandleEndSession(const ServiceContext& context, const Call& call,
                         const v1::EndSessionRequest& request, v1::EndSessionResponse* response) {
   MAPLOC_ASSIGN_OR_RETURN(const SessionId id, SessionIdFromProto(request));
   call.facts->session = id;
+  // Only then, because whoever is not restricted needs no read of the store: End itself refuses a
+  // session that is not there.
   if (call.caller.is_restricted()) {
     MAPLOC_ASSIGN_OR_RETURN(const Session session, context.store->GetSession(id));
     MAPLOC_RETURN_IF_ERROR(call.caller.CheckEnd(session));

@@ -11,6 +11,7 @@ Status HandleGetSegment(const ServiceContext& context, const Call& call,
   call.facts->version = map.info.key.version;
   const Result<SegmentSummary> segment =
       context.store->GetSegment(map.info.key, request.segment_id());
+  // In the request's words: the store's message names a version, the request does not.
   if (!segment.ok() && segment.status().code() == StatusCode::kNotFound) {
     return NotFound(
         "segment " + std::to_string(request.segment_id()) + " of map '" + request.map() + "'",

@@ -88,6 +88,7 @@ grpc::Status ToGrpc(const Status& status, const std::string& store_path,
     context->AddTrailingMetadata(kRetryDelayMetadata, std::to_string(*delay_ms));
   }
   const std::string message = WithoutPath(status.message(), store_path);
+  // The reason stands in the message too, for tools that show no trailing metadata.
   return {static_cast<grpc::StatusCode>(status.code()), message + " (" + status.reason() + ")",
           Details(status, message)};
 }

@@ -13,6 +13,8 @@ Status HandleListSegments(const ServiceContext& context, const Call& call,
   MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentSummary> segments,
                           context.store->ListSegments(map.info.key));
   for (const SegmentSummary& segment : segments) {
+    // The paths grow with the number of photos; an overview of a large map stays small without
+    // them.
     SegmentSummaryToProto(segment, /*with_path=*/false, response->add_segments());
   }
   return Status::Ok();

@@ -15,6 +15,8 @@ double MillisecondsSince(std::chrono::steady_clock::time_point start, const Cloc
   return std::chrono::duration<double, std::milli>(clock.SteadyNow() - start).count();
 }
 
+// Within a session the map may be left out. Another one must not pass, or the robot would take a
+// pose in the session's map for one in the map that it named.
 Status CheckMap(const Query& query, const Session& session) {
   if (query.map.empty() || query.map == session.map.name) return Status::Ok();
   return InvalidArgument("map", "the session is on map '" + session.map.name + "'", "MAP_MISMATCH");
@@ -35,6 +37,8 @@ Observation Observe(const Localization& localization, const std::string& counted
 Result<MapCache::Snapshot> MapOf(const ServiceContext& context, const Query& query,
                                  const std::optional<SessionManager::Lease>& lease) {
   Result<MapCache::Snapshot> map =
+      // A session stays on its version when another one is enabled, because its observations are of
+      // that version's segments.
       lease ? context.maps->Get(lease->session().map) : context.maps->Enabled(query.map);
   if (!map.ok()) return map;
   MAPLOC_RETURN_IF_ERROR(RequireMapVersion((*map)->info.key, query.map_version));
@@ -83,6 +87,7 @@ Result<std::optional<SessionManager::Lease>> Enter(const ServiceContext& context
   MAPLOC_ASSIGN_OR_RETURN(SessionManager::Lease entered, context.sessions->Enter(query.session));
   lease.emplace(std::move(entered));
   MAPLOC_RETURN_IF_ERROR(call.caller.CheckLocalizeIn(lease->session()));
+  // Told after the check: a caller that is refused there is not the session's robot.
   TellSession(lease->session(), *call.facts);
   MAPLOC_RETURN_IF_ERROR(CheckMap(query, lease->session()));
   return lease;
@@ -114,11 +119,13 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   MAPLOC_ASSIGN_OR_RETURN(const Query query, QueryFromProto(request));
   TellQuery(query, *call.facts);
   const double convert_ms = MillisecondsSince(start, *context.clock);
+  // Before the turn: turns are kept by session, and made-up ids would fill their memory.
   MAPLOC_ASSIGN_OR_RETURN(std::optional<SessionManager::Lease> lease, Enter(context, call, query));
   MAPLOC_ASSIGN_OR_RETURN(Counted counted, CountOnce(context, request));
   if (counted.turn.repeated() != nullptr) {
     const Localization& repeated = *counted.turn.repeated();
     TellAnswer(repeated, *call.facts);
+    // The first answer, also where another version is enabled by now: it is the one that counts.
     LocalizationToProto(query, repeated, request.include_matches(), response);
     return Status::Ok();
   }
@@ -127,12 +134,15 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   MAPLOC_ASSIGN_OR_RETURN(Localization answer,
                           LocalizeIn(context, call, query, lease, std::move(map)));
   answer.times.convert_ms = convert_ms;
+  // The wire has no field for the loading of a map, which comes before the retrieval.
   answer.times.retrieval_ms += load_ms;
   answer.times.total_ms = MillisecondsSince(start, *context.clock);
   TellAnswer(answer, *call.facts);
+  // Before the record, which may fail: the work was done all the same.
   context.metrics->CountAnswer(answer);
   if (lease) MAPLOC_RETURN_IF_ERROR(lease->Record(Observe(answer, counted.as, *context.clock)));
   LocalizationToProto(query, answer, request.include_matches(), response);
+  // A repeat has the same payload, so nobody can ask for them later.
   if (!request.include_matches()) answer.matches = {};
   counted.turn.Keep(std::move(answer));
   return Status::Ok();

@@ -11,11 +11,15 @@ namespace {
 // The flag that stands for the message as a member of a JSON object.
 constexpr char kMessageFlag = '*';
 
+// spdlog's own %v writes a message as it is; inside a JSON string its quotes and control characters
+// must be escaped.
 class MessageMember final : public spdlog::custom_flag_formatter {
  public:
   void format(const spdlog::details::log_msg& message, const std::tm&,
               spdlog::memory_buf_t& out) override {
     const nlohmann::json value(std::string(message.payload.begin(), message.payload.end()));
+    // All but ASCII is escaped: a message may quote anything, also marks that turn the direction of
+    // writing.
     const std::string text =
         "\"message\":" + value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
     out.append(text.data(), text.data() + text.size());

@@ -28,6 +28,8 @@ Result<MapSummary> FindMap(const MapStore& store, const std::string& name) {
   MAPLOC_RETURN_IF_ERROR(CheckMapName(name));
   Result<MapSummary> map = store.GetMap(name);
   if (map.ok() || map.status().code() != StatusCode::kNotFound) return map;
+  // The store's cure for a map without an enabled version is an operator's command, which a robot
+  // cannot give.
   return NotFound("map '" + name + "'", "MAP_NOT_FOUND");
 }
 

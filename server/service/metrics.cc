@@ -16,9 +16,12 @@ namespace {
 using prometheus::Labels;
 using Buckets = prometheus::Histogram::BucketBoundaries;
 
+// Up to half of what a call may take (kMaxCallTime).
 const Buckets kSeconds = {0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 30};
 const Buckets kRatios = {0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9};
+// Closer towards 1, because poses are LOCALIZED from 0.99 on (--min-confidence).
 const Buckets kConfidences = {0.1, 0.5, 0.9, 0.99, 0.999, 0.9999};
+// From a good IMU at rest (0.1 degrees) to one that is mounted wrong.
 const Buckets kRadians = {0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1};
 const Buckets kShares = {0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2};
 
@@ -61,6 +64,8 @@ prometheus::Counter& OneCounter(prometheus::Registry& registry, const char* name
 
 // To a total that somebody else has counted. REQUIRES: nobody else raises it at the same time.
 void RaiseTo(prometheus::Counter& counter, std::size_t total) {
+  // A negative increment is ignored by prometheus-cpp. So of two scrapes at the same time the one
+  // with the older total changes nothing.
   counter.Increment(static_cast<double>(total) - counter.Value());
 }
 
@@ -156,6 +161,7 @@ struct ServerMetrics::Impl {
 
   void ObserveEvidence(const Evidence& evidence, const Labels& map) {
     confidence.Add(map, kConfidences).Observe(evidence.confidence);
+    // 0 stands for a query whose gravity was not compared.
     if (evidence.gravity_disagreement_rad > 0) {
       gravity_disagreement.Add(map, kRadians).Observe(evidence.gravity_disagreement_rad);
     }
@@ -227,6 +233,7 @@ void ServerMetrics::CountCall(const std::string& method, const Status& status, d
         .Add({{"method", method}, {"code", code}, {"reason", impl_->reasons.Of(status.reason())}})
         .Increment();
   }
+  // Refusals take no time. With them a server that is full would look fast.
   if (status.code() == StatusCode::kResourceExhausted ||
       status.code() == StatusCode::kUnavailable) {
     return;
@@ -245,8 +252,10 @@ void ServerMetrics::CountAnswer(const Localization& answer) {
   labels["strategy"] = StrategyName(answer.evidence.strategy);
   impl_->answers.Add(labels).Increment();
   impl_->ObserveStages(answer.times);
+  // Nothing was matched, so the evidence holds zeros that nobody measured.
   if (answer.outcome == Outcome::kOutOfMap) return;
   impl_->ObserveEvidence(answer.evidence, map);
+  // Without a pose no match is an inlier, which says nothing about the map.
   if (answer.outcome == Outcome::kLocalized) impl_->ObserveInliers(answer.evidence, map);
 }
 

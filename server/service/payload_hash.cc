@@ -30,8 +30,11 @@ class HashingStream final : public google::protobuf::io::ZeroCopyOutputStream {
 
  private:
   void Fold() {
+    // 2^64 divided by the golden ratio: the order of blocks counts, and an odd factor loses no bit.
     constexpr std::uint64_t kOdd = 0x9e3779b97f4a7c15ull;
     const std::string_view bytes(block_.data(), used_);
+    // Not safe against an adversary, and need not be: who makes two queries collide harms its own
+    // session alone.
     hash_ = hash_ * kOdd + std::hash<std::string_view>()(bytes);
     folded_ += static_cast<std::int64_t>(used_);
     used_ = 0;
@@ -47,6 +50,8 @@ class HashingStream final : public google::protobuf::io::ZeroCopyOutputStream {
 
 std::uint64_t PayloadHash(const google::protobuf::MessageLite& message) {
   HashingStream stream;
+  // The same fields give the same bytes, because a LocalizeRequest has no map field, whose entries
+  // protobuf writes in any order.
   message.SerializeToZeroCopyStream(&stream);
   return stream.Finish();
 }

@@ -43,6 +43,7 @@ struct RequestLog::Impl {
   Impl(const RequestLogOptions& log_options, spdlog::sink_ptr sink, const Clock& used_clock)
       : options(log_options),
         clock(used_clock),
+        // One thread, so that the lines keep their order.
         writer(std::make_shared<spdlog::details::thread_pool>(kWaitingLines, 1)),
         logger(std::make_shared<spdlog::async_logger>(
             "requests", std::move(sink), writer, spdlog::async_overflow_policy::overrun_oldest)) {
@@ -51,6 +52,7 @@ struct RequestLog::Impl {
   }
 
   // Methods and reasons are the program's own words, so their number is bounded.
+  // Not by caller: a whole fleet that is refused for one cause is one line.
   using Key = std::pair<std::string, std::string>;
 
   bool IsFirst(const FinishedRequest& request) {
@@ -72,6 +74,7 @@ struct RequestLog::Impl {
         if (entry->second.first < until) over.insert(refusals.extract(entry));
       }
     }
+    // Without the lock, because the logger has one of its own and other requests go on meanwhile.
     for (const auto& [key, entry] : over) {
       if (entry.more == 0) continue;
       logger->log(IsOwnAccident(entry.code) ? spdlog::level::err : spdlog::level::warn,
@@ -79,6 +82,8 @@ struct RequestLog::Impl {
     }
   }
 
+  // Called with each request, which spares a timer: a server that nobody calls has nothing new to
+  // tell.
   void Look() {
     const Time now = clock.SteadyNow();
     {

@@ -15,6 +15,8 @@ using Context = grpc::CallbackServerContext;
 using Reactor = grpc::ServerUnaryReactor;
 using Bytes = grpc::ByteBuffer;
 
+// Raw, so that a request arrives as bytes: it is admitted before it is parsed, and bytes that are
+// no message are refused with a reason (unary_call.h).
 using RawLocalization = v1::LocalizationService::WithRawCallbackMethod_StartSession<
     v1::LocalizationService::WithRawCallbackMethod_Localize<
         v1::LocalizationService::WithRawCallbackMethod_EndSession<
@@ -98,6 +100,7 @@ struct Services::Impl {
         localization(context, localize, sessions),
         maps(context, reads) {}
 
+  // First, so that it is destroyed last: at their end the pools finish jobs that use it.
   const ServiceContext context;
   WorkerPool localize;
   WorkerPool sessions;
@@ -125,6 +128,7 @@ void Services::Register(grpc::ServerBuilder* builder) {
 
 bool Services::Drain(Deadline deadline) {
   const auto pools = {&impl_->localize, &impl_->sessions, &impl_->reads};
+  // All of them first: a pool that is still open would take work while another one is waited for.
   for (WorkerPool* pool : pools) pool->Close();
   bool idle = true;
   for (WorkerPool* pool : pools) idle = pool->WaitUntilIdle(deadline) && idle;

@@ -12,6 +12,7 @@ Status HandleStartSession(const ServiceContext& context, const Call& call,
   call.facts->request_id = wanted.request_id;
   call.facts->robot = wanted.robot;
   call.facts->map = wanted.map;
+  // Before the map is looked for: a refusal does not tell whether it exists.
   MAPLOC_RETURN_IF_ERROR(call.caller.CheckStart(wanted.map, wanted.robot));
   // In memory before the first query, which then does not pay for the loading.
   MAPLOC_ASSIGN_OR_RETURN(const MapCache::Snapshot map, context.maps->Enabled(wanted.map));

@@ -19,6 +19,8 @@ std::string ParseTraceparent(std::string_view header) {
   const std::string_view flags = header.substr(53, 2);
   const bool dashes = header[2] == '-' && header[35] == '-' && header[52] == '-';
   const bool digits = IsHex(version, 2) && IsHex(trace, 32) && IsHex(parent, 16) && IsHex(flags, 2);
+  // Later versions may append fields after a dash. Version ff and identifiers of zeros are invalid
+  // (W3C Trace Context 3.2.2).
   const bool ends = header.size() == kLength || (version != "00" && header[kLength] == '-');
   if (!dashes || !digits || !ends || version == "ff") return "";
   if (IsZero(trace) || IsZero(parent)) return "";

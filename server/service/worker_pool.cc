@@ -24,7 +24,7 @@ WorkerPool::~WorkerPool() {
 }
 
 WorkerPool::Admission WorkerPool::Submit(const std::string& peer, Job job) {
-  std::vector<Job> dropped;
+  std::vector<Waiting> dropped;
   bool fits = false;
   {
     const std::lock_guard lock(mutex_);
@@ -39,7 +39,8 @@ WorkerPool::Admission WorkerPool::Submit(const std::string& peer, Job job) {
     }
   }
   if (fits) work_.notify_one();
-  for (const Job& other : dropped) other.dropped();
+  // Without the lock, because it answers a call, and gRPC may run the answer in this thread.
+  for (const Waiting& other : dropped) other.job.dropped();
   return fits ? Admission::kAccepted : Admission::kFull;
 }
 
@@ -47,16 +48,29 @@ bool WorkerPool::Fits(std::size_t bytes) const {
   return waiting_jobs_ + running_ < max_jobs_ && waiting_bytes_ + bytes <= max_waiting_bytes_;
 }
 
-bool WorkerPool::MakeRoom(const std::string& peer, std::size_t bytes, std::vector<Job>* dropped) {
+bool WorkerPool::MakeRoom(const std::string& peer, std::size_t bytes,
+                          std::vector<Waiting>* dropped) {
   const auto own = waiting_.find(peer);
   const std::size_t mine = own == waiting_.end() ? 0 : own->second.size();
   while (!Fits(bytes)) {
     const auto most = std::ranges::max_element(
         waiting_, {}, [](const auto& entry) { return entry.second.size(); });
-    if (most == waiting_.end() || most->second.size() <= mine + 1) return false;
-    dropped->push_back(TakeNewest(most->first));
+    // A peer that has one job more than the newcomer keeps it: they would only change places.
+    if (most == waiting_.end() || most->second.size() <= mine + 1) return GiveBack(dropped), false;
+    dropped->push_back({most->first, TakeNewest(most->first)});
   }
   return true;
+}
+
+void WorkerPool::GiveBack(std::vector<Waiting>* taken) {
+  // From the last on, so that each peer's jobs are in their order again. Each peer has kept a job,
+  // and so its turn.
+  for (; !taken->empty(); taken->pop_back()) {
+    Waiting& last = taken->back();
+    ++waiting_jobs_;
+    waiting_bytes_ += last.job.bytes;
+    waiting_.at(last.peer).push_back(std::move(last.job));
+  }
 }
 
 WorkerPool::Job WorkerPool::TakeNewest(const std::string& peer) {
@@ -104,10 +118,13 @@ void WorkerPool::Run() {
   std::unique_lock lock(mutex_);
   while (true) {
     work_.wait(lock, [this] { return stopping_ || waiting_jobs_ > 0; });
+    // A pool that stops first finishes what it has accepted.
     if (waiting_jobs_ == 0) return;
     const Job job = TakeNext();
     ++running_;
     lock.unlock();
+    // A job answers its call and catches what that throws; here the thread is kept should the
+    // answering itself throw.
     static_cast<void>(Caught([&] { return job.run(), Status::Ok(); }));
     lock.lock();
     --running_;

@@ -45,9 +45,15 @@ class WorkerPool {
   bool WaitUntilIdle(Deadline deadline);
 
  private:
+  struct Waiting {
+    std::string peer;
+    Job job;
+  };
   // REQUIRES of these: mutex_ is held.
   bool Fits(std::size_t bytes) const;
-  bool MakeRoom(const std::string& peer, std::size_t bytes, std::vector<Job>* dropped);
+  // False: no fair choice makes room, and nobody's job was taken.
+  bool MakeRoom(const std::string& peer, std::size_t bytes, std::vector<Waiting>* dropped);
+  void GiveBack(std::vector<Waiting>* taken);
   Job TakeNewest(const std::string& peer);
   Job TakeNext();
   void Run();

@@ -41,6 +41,7 @@ Result<AnsweredQueries::Turn> AnsweredQueries::Begin(const SessionId& session,
                                                      std::uint64_t payload) {
   Turn turn;
   const std::lock_guard lock(mutex_);
+  // Entered at once, so that of two copies of a query that run at the same time one is refused.
   const auto [found, is_new] =
       sessions_[session].entries.try_emplace(request_id, Entry{payload, nullptr, 0});
   if (!is_new) {
@@ -68,11 +69,13 @@ void AnsweredQueries::Keep(const Turn& turn, Answer answer) {
   by_age_.emplace(next_age_, turn.session_);
   ++next_age_;
   if (session.by_age.size() > kAnswersOfSession) Forget(session.by_age.begin()->first);
+  // It may be this one, so `session` is not used after it.
   while (bytes_ > kAnswerBytes) Forget(by_age_.begin()->first);
 }
 
 void AnsweredQueries::Abandon(const Turn& turn) {
   const std::lock_guard lock(mutex_);
+  // The query was not counted, so a repeat is worked on as if it were the first.
   sessions_.at(turn.session_).entries.erase(turn.request_id_);
   EraseIfEmpty(turn.session_);
 }

@@ -63,6 +63,15 @@ TEST_F(TlsTest, ARenewedCertificateIsServedWithoutARestart) {
   EXPECT_TRUE(open.ListMaps().ok());  // what is open goes on
 }
 
+// No file changes any more, only the clock: the same holds for permissions that are corrected.
+TEST_F(TlsTest, ARefusedCertificateIsServedOnceItIsGood) {
+  GiveServer(authority_.Issue(kHere));
+  StartServer();
+  GiveServer(foreign_.Issue(kHere, {.begin_s = 3, .end_s = 3600}));
+  EXPECT_TRUE(Connect(Believing(authority_)).ListMaps().ok());  // not valid yet
+  EXPECT_TRUE(WaitFor([&] { return Connect(Believing(foreign_)).ListMaps().ok(); }));
+}
+
 TEST_F(TlsTest, ClientsWithoutAGoodCertificateGetNoConnection) {
   GiveServer(authority_.Issue(kHere));
   AskClientsOf(authority_);

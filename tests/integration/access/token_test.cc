@@ -54,6 +54,8 @@ TEST_F(TokenTest, ARevokedTokenStopsWithinASecondAndNeverOpensTheServer) {
     return Code(robot.Localize(QueryIn(*session)).status()) == "UNAUTHENTICATED TOKEN_REVOKED";
   }));
   EXPECT_LT(std::chrono::steady_clock::now() - revoked, std::chrono::seconds(1));
+  EXPECT_NE(robot.ListMaps().status().message().find("token create makes another one"),
+            std::string::npos);
   EXPECT_EQ(Code(Connect().ListMaps().status()), "UNAUTHENTICATED TOKEN_MISSING");
   std::filesystem::remove(TokenFile(options_.store).path());
   std::this_thread::sleep_for(2 * TokenBook::kLookEvery);  // it is looked at, and nothing follows

@@ -124,7 +124,9 @@ TEST_P(ListenTest, IsReached) {
   }
   options.listen = GetParam() + port;
   options.store = folder.File("second");
-  EXPECT_EQ(Server::Start(options).status().reason(), "CANNOT_LISTEN");
+  const Status taken = Server::Start(options).status();
+  EXPECT_EQ(taken.reason(), "CANNOT_LISTEN");
+  EXPECT_NE(taken.message().find("Address already in use"), std::string::npos) << taken.message();
 }
 
 INSTANTIATE_TEST_SUITE_P(Hosts, ListenTest,
@@ -135,10 +137,15 @@ TEST(ListenerTest, AHostThatIsNotThisMachinesIsRefused) {
   ServerOptions options;
   options.store = folder.File("store");
   options.insecure = true;
-  for (const char* listen : {"192.0.2.1:0", "no-such-host.invalid:0"}) {
+  const auto refusal = [&](const char* listen) {
     options.listen = listen;
-    EXPECT_EQ(Server::Start(options).status().reason(), "CANNOT_LISTEN") << listen;
-  }
+    return Server::Start(options).status();
+  };
+  EXPECT_EQ(refusal("192.0.2.1:0").reason(), "CANNOT_LISTEN");
+  EXPECT_NE(refusal("192.0.2.1:0").message().find("Cannot assign requested address"),
+            std::string::npos);
+  EXPECT_EQ(refusal("no-such-host.invalid:0").reason(), "CANNOT_LISTEN");
+  EXPECT_NE(refusal("no-such-host.invalid:0").message().find("host is unknown"), std::string::npos);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ class OptionsTest : public ::testing::Test {
   ~OptionsTest() override {
     unsetenv("MAPLOC_LISTEN");
     unsetenv("MAPLOC_INSECURE");
+    unsetenv("MAPLOC_PORT_FILE");
   }
 
   static CommandLine Parse(std::vector<const char*> arguments) {
@@ -59,6 +60,19 @@ TEST_F(OptionsTest, AFlagWithoutAValueIsReadFromTheEnvironmentToo) {
   EXPECT_TRUE(Parse({"--store", "s"}).options.insecure);
   setenv("MAPLOC_INSECURE", "false", 1);
   EXPECT_FALSE(Parse({"--store", "s"}).options.insecure);
+}
+
+// As a compose file sets one that is left out. Taken as "--port-file=", CLI11 would read the next
+// argument for its value.
+TEST_F(OptionsTest, AnEmptyVariableIsNone) {
+  setenv("MAPLOC_PORT_FILE", "", 1);
+  setenv("MAPLOC_LISTEN", "", 1);
+  const CommandLine line = Parse({"--insecure", "--store", "s"});
+  EXPECT_FALSE(line.exit_code.has_value());
+  EXPECT_TRUE(line.options.insecure);
+  EXPECT_EQ(line.options.store, "s");
+  EXPECT_EQ(line.options.port_file, "");
+  EXPECT_EQ(line.options.listen, "127.0.0.1:50051");
 }
 
 TEST_F(OptionsTest, WrongUsageIsTwoAndUnusableFilesAreOne) {

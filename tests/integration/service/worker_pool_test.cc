@@ -79,6 +79,31 @@ TEST(WorkerPoolTest, PeersShareItFairly) {
   EXPECT_EQ(ran, (std::vector<std::string>{"greedy", "a", "b", "greedy"}));
 }
 
+// Room is made by whole jobs, and may not suffice: then nobody has lost one.
+TEST(WorkerPoolTest, WhatIsRefusedTakesNobodysPlace) {
+  std::promise<void> gate;
+  std::promise<void> started;
+  std::vector<int> ran;
+  int dropped = 0;
+  {
+    WorkerPool pool(1, 4, 100);
+    const auto wait = [&] {
+      started.set_value();
+      gate.get_future().wait();
+    };
+    ASSERT_EQ(pool.Submit("many", {1, wait, {}}), WorkerPool::Admission::kAccepted);
+    started.get_future().wait();
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(pool.Submit("many", {20, [&ran, i] { ran.push_back(i); }, [&] { ++dropped; }}),
+                WorkerPool::Admission::kAccepted);
+    }
+    EXPECT_EQ(pool.Submit("large", {90, [] {}, {}}), WorkerPool::Admission::kFull);
+    EXPECT_EQ(dropped, 0);
+    gate.set_value();
+  }
+  EXPECT_EQ(ran, (std::vector<int>{0, 1, 2}));
+}
+
 TEST(WorkerPoolTest, ClosedItFinishesWhatItHas) {
   std::promise<void> gate;
   std::atomic<bool> done = false;

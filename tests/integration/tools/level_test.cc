@@ -48,6 +48,15 @@ TEST_F(Level, TurnsLandmarksAndPathAndKeepsWhatSessionsTaught) {
   }
 }
 
+TEST_F(Level, TellsWhichVersionsItDeleted) {
+  ASSERT_TRUE(Open()->EndSession("open", SessionEnd::kByRobot, 6000, {}).ok());
+  ASSERT_EQ(Run("--gravity 0.1,0,-1").exit_code, 0);
+  const json told = json::parse(Run("--gravity 0.1,0,-1 --keep-versions 1 --json").out);
+  EXPECT_EQ(told.at("deleted_versions"), json({1}));
+  const Output text = Run("--gravity 0.1,0,-1 --keep-versions 1");
+  EXPECT_THAT(text.out, HasSubstr("Version 2 is deleted.")) << text.error;
+}
+
 TEST_F(Level, ALevelMapIsLeftAlone) {
   const Output run = Run("--gravity 0,0,-2");
   EXPECT_EQ(run.exit_code, 0) << run.error;

@@ -35,5 +35,13 @@ TEST(ClientNamesTest, EveryNameIsCheckedBeforeTheCall) {
   }
 }
 
+TEST(ClientNamesTest, AQueryWithoutAViewIsRefusedBeforeTheCall) {
+  Query blind;
+  blind.map = "yard";
+  const Status status = Client("127.0.0.1:1").Localize(blind).status();
+  EXPECT_EQ(status.reason(), "REQUIRED");
+  EXPECT_TRUE(status.message().starts_with("views: ")) << status.message();
+}
+
 }  // namespace
 }  // namespace maploc

@@ -28,7 +28,8 @@ TEST_F(ProxyTest, ThisMachineIsKnownInEveryForm) {
     EXPECT_TRUE(IsLoopback(server)) << server;
   }
   for (const char* server : {"yard:50051", "10.0.0.1:1", "localhost.example:1", "[2001:db8::1]:1",
-                             "dns:///yard:1", "", ":", "["}) {
+                             "dns:///yard:1", "", ":", "[", "unix-server:50051", "unixbox:1",
+                             "127.example.org:1", "127.0.0.1.example.org:1"}) {
     EXPECT_FALSE(IsLoopback(server)) << server;
   }
 }

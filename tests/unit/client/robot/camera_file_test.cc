@@ -96,6 +96,12 @@ TEST_F(CameraFileTest, AnEurocFileIsToldByItsNameInAnyCase) {
   }
 }
 
+TEST_F(CameraFileTest, OneCameraNeedsNoId) {
+  folder_.Write("s.yaml", "");
+  const Status status = ReadCameraFile({folder_.File("s.yaml"), "a.jpg", 1}).status();
+  EXPECT_THAT(status.message(), HasSubstr("leave it out"));
+}
+
 // As Windows' editors write them.
 TEST_F(CameraFileTest, AByteOrderMarkIsPassedOver) {
   for (const char* name : {"cameras.txt", "images.txt"}) {

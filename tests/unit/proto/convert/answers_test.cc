@@ -177,6 +177,22 @@ TEST(LocalizationConvert, RefusesEvidenceThatMakesNoSense) {
   ExpectRefused(response, "times.total_ms");
 
   response = LocalizedResponse();
+  response.mutable_points()->set_match_count(-1);
+  ExpectRefused(response, "points");
+
+  response = LocalizedResponse();
+  response.mutable_vertical_lines()->set_inlier_count(5);  // of 4 matches
+  ExpectRefused(response, "vertical_lines");
+
+  response = LocalizedResponse();
+  response.set_iteration_count(-1);
+  ExpectRefused(response, "iteration_count");
+
+  response = LocalizedResponse();
+  response.set_covariance(7, -1e-9);  // a negative variance of y, whose root is no number
+  ExpectRefused(response, "covariance[7]");
+
+  response = LocalizedResponse();
   response.set_focal_length_scale(0);
   ExpectRefused(response, "focal_length_scale");
 
