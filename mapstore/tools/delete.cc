@@ -32,7 +32,10 @@ Status Delete(const CommandContext& context, const DeleteFlags& flags) {
   } else {
     std::cout << "Map " << flags.map << " version " << flags.version
               << " is deleted; the store's file had " << before << " bytes and has " << after
-              << ".\n";
+              << "."
+              // The log keeps what a reader may still look up.
+              << (after < before ? "" : " It becomes smaller when whoever reads it now is done.")
+              << '\n';
   }
   return Status::Ok();
 }
