@@ -45,6 +45,7 @@ double RotationThresholdDeg(double translation_m) {
 double Recall(std::span<const std::optional<PoseError>> errors, double translation_m,
               double rotation_deg) {
   if (errors.empty()) return 0.0;
+  // A share of all queries: else a robot that answers only the easy ones would look better.
   const auto good = std::ranges::count_if(errors, [&](const std::optional<PoseError>& error) {
     return error && error->translation_m <= translation_m && error->rotation_deg <= rotation_deg;
   });
@@ -77,6 +78,7 @@ Metrics Summarize(std::span<const std::optional<PoseError>> errors) {
   std::vector<double> translations_m;
   std::vector<double> rotations_deg;
   for (const std::optional<PoseError>& error : errors) {
+    // An unanswered query has no error, so the medians are those of the answers alone.
     if (!error) continue;
     ++metrics.localized;
     metrics.wrong += IsWrong(*error) ? 1 : 0;

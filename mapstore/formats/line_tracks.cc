@@ -33,6 +33,7 @@ Result<int> ParseCount(TextFields& fields, std::string_view what, int minimum) {
   return count;
 }
 
+// Programs write either case.
 int HexValue(char digit) {
   if (digit >= '0' && digit <= '9') return digit - '0';
   if (digit >= 'a' && digit <= 'f') return digit - 'a' + 10;
@@ -72,6 +73,7 @@ Status ParseImages(TextFields& fields, LineTrack& track) {
   std::set<std::int64_t> seen;
   for (int i = 0; i < count; ++i) {
     MAPLOC_ASSIGN_OR_RETURN(const auto image, fields.Number<std::int64_t>("image id"));
+    // Two segments of one image are two lines, so that their track is a mistake of its writer.
     if (!seen.insert(image).second) {
       return Wrong("image id", std::to_string(image) + " stands twice in the track");
     }

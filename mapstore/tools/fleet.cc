@@ -42,6 +42,8 @@ FleetComparison CompareFleet(const std::vector<SeenSession>& sessions, const Map
   std::vector<RobotSession> fleet;
   for (const SeenSession& seen : sessions) {
     const Session& session = seen.session;
+    // Another version has other landmarks, so that its ratios cannot be compared with these. What
+    // was revoked is not to make an honest robot stand out.
     if (session.revoked || session.map != key) continue;
     fleet.push_back({session.id, session.robot, session.start_unix_ns, seen.observations});
   }
