@@ -14,6 +14,7 @@ std::string At(std::string_view field, std::size_t index) {
 
 Status ValidateIds(std::string_view field, const std::vector<LandmarkId>& ids) {
   for (std::size_t i = 1; i < ids.size(); ++i) {
+    // Readers find landmarks by binary search.
     if (ids[i - 1] >= ids[i]) {
       return InvalidArgument(At(std::string(field) + ".ids", i), "ids must ascend");
     }
