@@ -37,7 +37,7 @@ MAY_INCLUDE = {
     "client/api": ["proto/convert", "mapstore/model"],
     "client/odometry": ["mapstore/model"],
     "client/robot": ["client/api", "mapstore/features", "mapstore/formats"],
-    "client/cli": ["client/robot"],
+    "client/cli": ["client/robot", "proto/recording"],
 }
 
 # Third-party headers and the only files that may include them (regular expressions for the include and for the file).
