@@ -34,6 +34,7 @@ MAY_INCLUDE = {
     "server/recorder": ["proto/recording"],
     "server/service": ["server/access", "server/pipeline", "server/recorder", "server/sessions", "proto/convert"],
     "server/app": ["server/service"],
+    "server/compare": ["server/sessions", "proto/recording", "mapstore/tools"],
     "client/api": ["proto/convert", "mapstore/model"],
     "client/odometry": ["mapstore/model"],
     "client/robot": ["client/api", "mapstore/features", "mapstore/formats"],
