@@ -5,6 +5,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/output.h"
 #include "client/cli/recording_flags.h"
+#include "client/cli/replay_recorded.h"
 #include "client/cli/replay_report.h"
 #include "client/cli/stop_signals.h"
 #include "mapstore/base/standard_output.h"
@@ -17,7 +18,9 @@ constexpr char kExample[] =
     "\\\n"
     "      --gravity-csv gravity.csv --label season=autumn\n"
     "  maploc replay --server 127.0.0.1:50051 --map church --colmap query --images photos \\\n"
-    "      --gravity-noise-deg 0.5 --json";
+    "      --gravity-noise-deg 0.5 --json\n"
+    "  maploc replay --server 127.0.0.1:50051 --recorded recording --map yard --outcome "
+    "LOW_CONFIDENCE";
 
 struct ReplayFlags {
   std::string map;
@@ -27,7 +30,25 @@ struct ReplayFlags {
   std::string robot = "maploc-replay";
   std::vector<std::string> labels;
   bool keep_partial = false;
+  RecordedFlags recorded;
 };
+
+// What a recorded query brings itself, or what a session needs.
+constexpr const char* kNotRecorded[] = {"--colmap",
+                                        "--database",
+                                        "--images",
+                                        "--gravity-csv",
+                                        "--gravity-noise-deg",
+                                        "--gravity-sigma-deg",
+                                        "--without-gravity",
+                                        "--max-features",
+                                        "--seed",
+                                        "--strategy",
+                                        "--refine",
+                                        "--max-error",
+                                        "--prior",
+                                        "--label",
+                                        "--keep-partial"};
 
 ReplayOptions OptionsFrom(const ReplayFlags& flags) {
   ReplayOptions options;
@@ -86,15 +107,23 @@ void AddReplayCommand(CLI::App& app, CommandContext& context) {
       app, context, "replay",
       "A recorded session: one query a posed image, compared with its reference pose; --json "
       "reports each error beside its sigma",
-      kExample, [&context, flags] { return Run(context, *flags); });
+      kExample, [&context, flags] {
+        return flags->recorded.path.empty() ? Run(context, *flags)
+                                            : ReplayRecorded(context, flags->recorded);
+      });
   AddServerFlag(*command, context)->required();
-  command->add_option("--map", flags->map, "the map's name")->required();
+  CLI::Option* const map = command->add_option(
+      "--map", flags->map, "the map's name; with --recorded: queries on this map alone");
   AddRecordingFlags(*command, flags->recording);
   AddMethodFlags(*command, flags->method);
   command->add_option("--prior", flags->prior, "send the last localized position as a hint")
       ->check(CLI::IsMember({"none", "previous"}))
       ->capture_default_str();
-  command->add_option("--robot", flags->robot, "the robot's name")->capture_default_str();
+  CLI::Option* const robot =
+      command
+          ->add_option("--robot", flags->robot,
+                       "the robot's name; with --recorded: queries of this robot alone")
+          ->capture_default_str();
   command->add_option("--label", flags->labels, "KEY=VALUE, kept with the session; repeatable")
       ->check(LabelCheck());
   command->add_flag(
@@ -102,6 +131,17 @@ void AddReplayCommand(CLI::App& app, CommandContext& context) {
       "of a session that fails or is interrupted, report what was answered, and count "
       "it in the statistics; else it is neither reported nor counted (the exit code "
       "is 1 both ways)");
+  CLI::Option* const recorded = AddRecordedFlags(*command, flags->recorded);
+  for (const char* const flag : kNotRecorded) recorded->excludes(flag);
+  CLI::Option* const model = command->get_option("--colmap")->required(false);
+  command->parse_complete_callback([flags, map, robot, model, recorded] {
+    if (recorded->count() == 0) {
+      if (map->count() == 0) throw CLI::RequiredError("--map");
+      if (model->count() == 0) throw CLI::RequiredError("--colmap or --recorded");
+    }
+    flags->recorded.filter.map = flags->map;
+    if (robot->count() > 0) flags->recorded.filter.robot = flags->robot;
+  });
 }
 
 }  // namespace maploc

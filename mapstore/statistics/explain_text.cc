@@ -1,8 +1,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "mapstore/base/text.h"
 #include "mapstore/statistics/explain.h"
-#include "mapstore/statistics/text.h"
 
 namespace maploc {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapstore/base/text.h"
 #include "mapstore/statistics/criterion.h"
-#include "mapstore/statistics/text.h"
 
 namespace maploc {
 namespace {

@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "mapstore/base/table.h"
-#include "mapstore/statistics/text.h"
+#include "mapstore/base/text.h"
 
 namespace maploc {
 

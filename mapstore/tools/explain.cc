@@ -2,7 +2,7 @@
 #include <iostream>
 
 #include "mapstore/base/table.h"
-#include "mapstore/statistics/text.h"
+#include "mapstore/base/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/decline.h"
 #include "mapstore/tools/output.h"

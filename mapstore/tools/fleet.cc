@@ -1,7 +1,7 @@
 #include "mapstore/tools/fleet.h"
 
 #include "mapstore/base/angles.h"
-#include "mapstore/statistics/text.h"
+#include "mapstore/base/text.h"
 
 namespace maploc {
 namespace {

@@ -7,6 +7,7 @@
 #include "mapstore/base/standard_output.h"
 #include "mapstore/base/usage.h"
 #include "mapstore/tools/commands.h"
+#include "mapstore/tools/compare.h"
 #include "mapstore/tools/restore.h"
 #ifdef MAPLOC_HAS_IMPORT_COLMAP
 #include "mapstore/tools/import_colmap.h"
@@ -20,6 +21,7 @@ void AddCommands(CLI::App& app, maploc::CommandContext& context) {
 #endif
   maploc::AddListCommand(app, context);
   maploc::AddVersionsCommand(app, context);
+  maploc::AddCompareCommand(app, context);
   maploc::AddEnableCommand(app, context);
   maploc::AddRollbackCommand(app, context);
   maploc::AddDeleteCommand(app, context);

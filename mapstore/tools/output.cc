@@ -2,7 +2,7 @@
 
 #include <iostream>
 
-#include "mapstore/statistics/text.h"
+#include "mapstore/base/text.h"
 
 namespace maploc {
 

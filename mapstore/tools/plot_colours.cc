@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "mapstore/statistics/text.h"
+#include "mapstore/base/text.h"
 
 namespace maploc {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "mapstore/statistics/text.h"
+#include "mapstore/base/text.h"
 #include "mapstore/tools/plot_colours.h"
 
 namespace maploc {

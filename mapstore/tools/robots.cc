@@ -3,7 +3,7 @@
 
 #include "mapstore/base/angles.h"
 #include "mapstore/base/table.h"
-#include "mapstore/statistics/text.h"
+#include "mapstore/base/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/fleet.h"
 #include "mapstore/tools/output.h"

@@ -2,7 +2,7 @@
 #include <map>
 
 #include "mapstore/base/table.h"
-#include "mapstore/statistics/text.h"
+#include "mapstore/base/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/fleet.h"
 #include "mapstore/tools/lean_warning.h"

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "mapstore/base/table.h"
-#include "mapstore/statistics/text.h"
+#include "mapstore/base/text.h"
 #include "mapstore/tools/commands.h"
 #include "mapstore/tools/decline.h"
 #include "mapstore/tools/fleet.h"

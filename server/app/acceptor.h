@@ -8,9 +8,9 @@
 #include <functional>
 #include <thread>
 
+#include "mapstore/base/owned_fd.h"
 #include "server/app/connections.h"
 #include "server/app/listening_sockets.h"
-#include "server/app/owned_fd.h"
 
 namespace maploc {
 

@@ -12,6 +12,7 @@
 #include "server/access/token_file.h"
 #include "server/app/exposure.h"
 #include "server/app/listening_sockets.h"
+#include "server/recorder/recording_ring.h"
 
 namespace maploc {
 namespace {
@@ -48,6 +49,9 @@ std::vector<std::string> FindFaults(const ServerOptions& options) {
   if (!options.store.empty()) {
     checks.push_back(CheckStoreOpens(options.store));
     checks.push_back(TokenFile(options.store).Read().status());
+  }
+  if (!options.recorder.folder.empty()) {
+    checks.push_back(CheckRecorderFolder(options.recorder.folder));
   }
   std::vector<std::string> faults;
   for (const Status& check : checks) {

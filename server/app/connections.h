@@ -13,7 +13,7 @@
 
 #include <sys/types.h>
 
-#include "server/app/owned_fd.h"
+#include "mapstore/base/owned_fd.h"
 
 namespace maploc {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "mapstore/base/owned_fd.h"
 #include "mapstore/base/status.h"
-#include "server/app/owned_fd.h"
 
 namespace maploc {
 

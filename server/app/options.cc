@@ -11,6 +11,7 @@
 #include "mapstore/base/usage.h"
 #include "server/app/check_config.h"
 #include "server/app/parse_all.h"
+#include "server/recorder/recording_ring.h"
 
 namespace maploc {
 namespace {
@@ -48,6 +49,26 @@ std::string CheckBytes(const std::string& bytes) {
   constexpr std::size_t kMaxDigits = 18;
   const bool good = bytes.size() <= kMaxDigits && !bytes.starts_with('-');
   return good ? "" : "must be a size from 0 to 10^18 bytes";
+}
+
+std::string CheckRecorderBytes(const std::string& bytes) {
+  const std::string fault = CheckBytes(bytes);
+  if (!fault.empty()) return fault;
+  return std::stoll(bytes) >= kMinRecorderBytes ? "" : "must be at least 64MiB";
+}
+
+void AddRecorderOptions(CLI::App& app, ServerOptions& options) {
+  app.add_option("--recorder", options.recorder.folder,
+                 "Folder for a recording of queries (features, gravity, answer; no image, no "
+                 "token): all that are refused or doubtful and a sample of the rest, for `maploc "
+                 "replay --recorded` and `maploc-map compare`; left out: none");
+  app.add_option("--recorder-bytes", options.recorder.max_bytes,
+                 "What the recording may take on disk (1GiB, 20GB, bytes); the oldest queries go")
+      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/true))
+      ->check(CheckRecorderBytes);
+  app.add_option("--recorder-every", options.recorder.every,
+                 "Of the queries that are localized without doubt each Nth is recorded")
+      ->check(CLI::Range(1, 1'000'000'000));
 }
 
 void AddLogOptions(CLI::App& app, ServerOptions& options) {
@@ -110,6 +131,7 @@ void AddOptions(CLI::App& app, ServerOptions& options) {
   app.add_option("--seed", options.localizer.seed, "Of the sampling; same seed, same answers")
       ->check(CLI::TypeValidator<std::uint64_t>());
   AddLogOptions(app, options);
+  AddRecorderOptions(app, options);
 }
 
 // "--idle-timeout" -> "MAPLOC_IDLE_TIMEOUT".

@@ -9,6 +9,7 @@
 
 #include "server/app/tls_material.h"
 #include "server/pipeline/localizer.h"
+#include "server/recorder/query_recorder.h"
 #include "server/service/request_log.h"
 
 namespace maploc {
@@ -23,6 +24,7 @@ struct ServerOptions {
   std::string log_level = "info";
   std::string log_format = "text";  // or json
   RequestLogOptions request_log;
+  RecorderOptions recorder;
   int workers = 0;                 // localizations at the same time; 0: one a core
   int queue = 0;                   // waiting ones; 0: eight a worker
   double idle_timeout_s = 1800.0;  // 0: never

@@ -148,6 +148,9 @@ Status Server::StartDomain() {
   maps.health = &health_;
   maps.tell_maps = [this](const auto& usable) { health_board_.SetMaps(usable); };
   maps_ = std::make_unique<MapCache>(store_.get(), maps);
+  if (!options_.recorder.folder.empty()) {
+    MAPLOC_ASSIGN_OR_RETURN(recorder_, QueryRecorder::Start(options_.recorder));
+  }
   ServiceContext context;
   context.store = store_.get();
   context.sessions = sessions_.get();
@@ -155,6 +158,7 @@ Status Server::StartDomain() {
   context.maps = maps_.get();
   context.metrics = &metrics_;
   context.requests = &request_log_;
+  context.recorder = recorder_.get();
   context.tokens = credentials_.tokens.get();
   context.localizer = options_.localizer;
   context.store_path = options_.store;
@@ -229,6 +233,7 @@ ServerState Server::State() {
   state.localizations_limit = static_cast<std::size_t>(Workers(options_) + Queue(options_));
   state.cache = maps_->segment_state();
   state.lost_log_lines = request_log_.lost_lines();
+  if (recorder_) state.recorder = recorder_->state();
   if (credentials_.tls) state.certificate_end_unix_s = credentials_.tls->certificate_end_unix_s();
   return state;
 }

@@ -26,6 +26,7 @@
 #include "server/app/options.h"
 #include "server/app/tls_credentials.h"
 #include "server/app/transport_limits.h"
+#include "server/recorder/query_recorder.h"
 #include "server/service/services.h"
 #include "server/sessions/health.h"
 #include "server/sessions/map_cache.h"
@@ -94,6 +95,7 @@ class Server {
   Health health_{[this] { health_board_.SetHealthy(health_.good()); }};
   ServerMetrics metrics_;
   RequestLog request_log_;
+  std::unique_ptr<QueryRecorder> recorder_;  // null: nothing is recorded
   std::unique_ptr<SessionManager> sessions_;
   AnsweredQueries answered_;
   std::unique_ptr<MapCache> maps_;

@@ -75,6 +75,7 @@ struct StateMetrics {
 
   void Set(const ServerState& state);
   void SetCache(const SegmentCacheState& cache);
+  void SetRecorder(const RecorderState& state);
 
   prometheus::Registry& registry;
   prometheus::Gauge& healthy = OneGauge(registry, "maploc_healthy",
@@ -106,6 +107,13 @@ struct StateMetrics {
   prometheus::Counter& lost_log_lines =
       OneCounter(registry, "maploc_lost_log_lines_total",
                  "Lines about requests that came faster than the log could be written");
+  prometheus::Gauge& recorder_bytes =
+      OneGauge(registry, "maploc_recorder_bytes", "Recorded queries on disk (--recorder)");
+  prometheus::Counter& recorded =
+      OneCounter(registry, "maploc_recorder_queries_total", "Queries that were recorded");
+  prometheus::Counter& lost_queries =
+      OneCounter(registry, "maploc_recorder_lost_queries_total",
+                 "Queries that were not recorded because the disk was too slow, full or failing");
   prometheus::Family<prometheus::Gauge>& certificate_end =
       prometheus::BuildGauge()
           .Name("maploc_tls_certificate_end_timestamp_seconds")
@@ -122,6 +130,7 @@ void StateMetrics::Set(const ServerState& state) {
   localizations.Set(static_cast<double>(state.localizations));
   localizations_limit.Set(static_cast<double>(state.localizations_limit));
   SetCache(state.cache);
+  SetRecorder(state.recorder);
   RaiseTo(lost_log_lines, state.lost_log_lines);
   if (state.certificate_end_unix_s) {
     certificate_end.Add({}).Set(static_cast<double>(*state.certificate_end_unix_s));
@@ -134,6 +143,12 @@ void StateMetrics::SetCache(const SegmentCacheState& cache) {
   RaiseTo(cache_hits, cache.hits);
   RaiseTo(cache_loads, cache.loads);
   RaiseTo(cache_evictions, cache.evictions);
+}
+
+void StateMetrics::SetRecorder(const RecorderState& state) {
+  recorder_bytes.Set(static_cast<double>(state.bytes));
+  RaiseTo(recorded, state.recorded);
+  RaiseTo(lost_queries, state.lost);
 }
 
 }  // namespace

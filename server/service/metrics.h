@@ -10,6 +10,7 @@
 
 #include "mapstore/base/status.h"
 #include "mapstore/model/localization.h"
+#include "server/recorder/query_recorder.h"
 #include "server/sessions/segment_cache.h"
 
 namespace maploc {
@@ -30,6 +31,7 @@ struct ServerState {
   std::size_t localizations_limit = 0;   // beyond it they are refused
   SegmentCacheState cache;
   std::size_t lost_log_lines = 0;                      // since the start
+  RecorderState recorder;                              // zeros: nothing is recorded
   std::optional<std::int64_t> certificate_end_unix_s;  // none: no TLS
 };
 

@@ -10,6 +10,7 @@
 #include "server/access/caller.h"
 #include "server/access/token_book.h"
 #include "server/pipeline/localizer.h"
+#include "server/recorder/query_recorder.h"
 #include "server/service/metrics.h"
 #include "server/service/request_log.h"
 #include "server/sessions/answered_queries.h"
@@ -26,6 +27,7 @@ struct ServiceContext {
   MapCache* maps = nullptr;
   ServerMetrics* metrics = nullptr;
   RequestLog* requests = nullptr;
+  QueryRecorder* recorder = nullptr;  // null: nothing is recorded
   TokenBook* tokens = nullptr;
   const Clock* clock = &SystemClock();
   LocalizerOptions localizer;

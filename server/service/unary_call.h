@@ -13,6 +13,7 @@
 
 #include "mapstore/base/wait_limit.h"
 #include "server/service/grpc_status.h"
+#include "server/service/record_query.h"
 #include "server/service/service_context.h"
 #include "server/service/traceparent.h"
 #include "server/service/worker_pool.h"
@@ -57,6 +58,11 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
   }
 
  private:
+  struct Messages {
+    Request request;
+    Response response;
+  };
+
   UnaryCall(const ServiceContext& services, Handler handler, grpc::CallbackServerContext* context,
             const grpc::ByteBuffer* request, grpc::ByteBuffer* response)
       : services_(services),
@@ -114,20 +120,21 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
   }
 
   Status Answer() {
-    Request request;
+    Messages& messages = messages_.emplace();
     grpc::ByteBuffer bytes(*request_);  // shares them; parsing empties it
-    const bool parsed = grpc::SerializationTraits<Request>::Deserialize(&bytes, &request).ok();
+    const bool parsed =
+        grpc::SerializationTraits<Request>::Deserialize(&bytes, &messages.request).ok();
     // gRPC does not look at it again; while the call runs it would double the largest messages.
     const_cast<grpc::ByteBuffer*>(request_)->Clear();
     if (!parsed) {
+      messages_.reset();
       return NotParsed(Request::descriptor()->full_name());
     }
     const WaitLimit limit(deadline_ - kAnswerTime, &cancelled_);
-    Response response;
-    MAPLOC_RETURN_IF_ERROR(
-        handler_(services_, {deadline_, &cancelled_, caller_, &facts_}, request, &response));
+    MAPLOC_RETURN_IF_ERROR(handler_(services_, {deadline_, &cancelled_, caller_, &facts_},
+                                    messages.request, &messages.response));
     bool owned = false;
-    return grpc::SerializationTraits<Response>::Serialize(response, response_, &owned).ok()
+    return grpc::SerializationTraits<Response>::Serialize(messages.response, response_, &owned).ok()
                ? Status::Ok()
                : Internal("the answer cannot be written");
   }
@@ -135,9 +142,18 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
   void FinishWith(const Status& status) {
     const double taken_s = SecondsSinceArrival();
     services_.metrics->CountCall(MethodName(), status, taken_s);
-    services_.requests->Write({MethodName(), status,
-                               ParseTraceparent(Header(*context_, "traceparent").value_or("")),
-                               facts_, 1e3 * wait_s_.value_or(taken_s), 1e3 * taken_s});
+    const FinishedRequest finished{MethodName(),
+                                   status,
+                                   ParseTraceparent(Header(*context_, "traceparent").value_or("")),
+                                   facts_,
+                                   1e3 * wait_s_.value_or(taken_s),
+                                   1e3 * taken_s};
+    services_.requests->Write(finished);
+    if (services_.recorder != nullptr && messages_) {
+      RecordQuery(*services_.recorder, finished, services_.clock->NowUnixNanos(),
+                  messages_->request, messages_->response);
+    }
+    messages_.reset();  // what is still to be sent are bytes
     Finish(ToGrpc(status, services_.store_path, context_));
   }
   double SecondsSinceArrival() const {
@@ -155,7 +171,8 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
   const Deadline deadline_;
   Caller caller_;
   RequestFacts facts_;
-  std::optional<double> wait_s_;  // none: it never ran
+  std::optional<Messages> messages_;  // once the request was parsed
+  std::optional<double> wait_s_;      // none: it never ran
   std::atomic<bool> cancelled_ = false;
 };
 

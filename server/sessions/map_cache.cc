@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include "mapstore/base/wait_limit.h"
+#include "server/sessions/open_version.h"
 
 namespace maploc {
 namespace {
@@ -13,21 +14,6 @@ namespace {
 Status MapNotFound(const Status& status, const std::string& name) {
   if (status.code() != StatusCode::kNotFound) return status;
   return NotFound("map '" + name + "'", "MAP_NOT_FOUND");
-}
-
-Result<std::vector<StrategyDecision>> LoadDecisions(const MapStore& store, const MapKey& key) {
-  MAPLOC_ASSIGN_OR_RETURN(std::vector<SegmentSummary> segments, store.ListSegments(key));
-  std::vector<StrategyDecision> decisions;
-  for (SegmentSummary& summary : segments) decisions.push_back(std::move(summary.decision));
-  return decisions;
-}
-
-// Reads no landmarks.
-Result<MapCache::Snapshot> OpenVersion(const MapStore& store, const MapInfo& info,
-                                       SegmentCache& segments) {
-  MAPLOC_ASSIGN_OR_RETURN(std::vector<StrategyDecision> decisions, LoadDecisions(store, info.key));
-  MAPLOC_ASSIGN_OR_RETURN(const std::vector<SegmentPlace> places, store.LoadPlaces(info.key));
-  return BuildMapSnapshot(info, std::move(decisions), places, segments.Open(info));
 }
 
 // Whether the version in memory is the one that the store has under its number: a version that was

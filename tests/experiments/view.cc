@@ -6,7 +6,7 @@
 #include <ostream>
 
 #include "mapstore/base/table.h"
-#include "mapstore/statistics/text.h"
+#include "mapstore/base/text.h"
 
 namespace maploc::experiments {
 namespace {

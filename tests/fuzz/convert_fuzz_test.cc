@@ -1,63 +1,19 @@
 // Mutated and random bytes through the parsers at the door: whatever comes, they answer, and what
 // they let through keeps the invariants that nobody checks again. A plain loop, so that it runs
 // wherever the tests run; MAPLOC_FUZZ_SECONDS makes it longer, MAPLOC_TEST_SEED different.
-#include <chrono>
 #include <cmath>
-#include <cstdlib>
-#include <string>
 
 #include <google/protobuf/stubs/logging.h>
 #include <gtest/gtest.h>
 
 #include "maploc/v1/localization_service.pb.h"
 #include "proto/convert/convert.h"
+#include "tests/fuzz/mutate.h"
 #include "tests/support/seed.h"
 #include "tests/unit/proto/convert/valid_request.h"
 
 namespace maploc {
 namespace {
-
-std::chrono::duration<double> FuzzTime() {
-  const char* seconds = std::getenv("MAPLOC_FUZZ_SECONDS");
-  return std::chrono::duration<double>(seconds != nullptr ? std::atof(seconds) : 1.5);
-}
-
-std::string RandomBytes(Random& random) {
-  std::string bytes(random.Below(300), '\0');
-  for (char& byte : bytes) byte = static_cast<char>(random.Next());
-  return bytes;
-}
-
-// Flips bits, overwrites, deletes, repeats or cuts: each keeps most of the message's structure.
-void Mutate(Random& random, std::string* bytes) {
-  if (bytes->empty()) return;
-  const std::uint32_t at = random.Below(static_cast<std::uint32_t>(bytes->size()));
-  switch (random.Below(5)) {
-    case 0:
-      (*bytes)[at] = static_cast<char>((*bytes)[at] ^ (1 << random.Below(8)));
-      break;
-    case 1:
-      for (std::size_t i = at; i < std::min<std::size_t>(at + 8, bytes->size()); ++i) {
-        (*bytes)[i] = random.Below(2) == 0 ? '\xff' : static_cast<char>(random.Next());
-      }
-      break;
-    case 2:
-      bytes->erase(at, 1 + random.Below(4));
-      break;
-    case 3:
-      bytes->insert(at, bytes->substr(at, 1 + random.Below(16)));
-      break;
-    default:
-      bytes->resize(at);
-  }
-}
-
-std::string NextInput(Random& random, const std::string& valid) {
-  if (random.Below(8) == 0) return RandomBytes(random);
-  std::string bytes = valid;
-  for (std::uint32_t i = 0; i <= random.Below(4); ++i) Mutate(random, &bytes);
-  return bytes;
-}
 
 void ExpectSound(const Query& query) {
   ASSERT_EQ(query.views.size(), 1u);

@@ -21,6 +21,7 @@ MAY_INCLUDE = {
     "mapstore/importers": ["mapstore/store"],
     "mapstore/tools": ["mapstore/importers"],
     "proto/convert": ["mapstore/model"],
+    "proto/recording": ["proto/convert"],
     "server/solvers": ["mapstore/model"],
     "server/ransac": ["server/solvers"],
     "server/refinement": ["server/solvers"],
@@ -30,12 +31,14 @@ MAY_INCLUDE = {
     "server/pipeline": ["server/trust", "server/matching", "server/retrieval"],
     "server/sessions": ["server/pipeline", "mapstore/store"],
     "server/access": ["mapstore/store"],
-    "server/service": ["server/access", "server/pipeline", "server/sessions", "proto/convert"],
+    "server/recorder": ["proto/recording"],
+    "server/service": ["server/access", "server/pipeline", "server/recorder", "server/sessions", "proto/convert"],
     "server/app": ["server/service"],
+    "server/compare": ["server/sessions", "proto/recording", "mapstore/tools"],
     "client/api": ["proto/convert", "mapstore/model"],
     "client/odometry": ["mapstore/model"],
     "client/robot": ["client/api", "mapstore/features", "mapstore/formats"],
-    "client/cli": ["client/robot"],
+    "client/cli": ["client/robot", "proto/recording"],
 }
 
 # Third-party headers and the only files that may include them (regular expressions for the include and for the file).
@@ -43,6 +46,8 @@ CONFINED = [
     (r"sqlite3\.h", r"mapstore/(store|formats)/sqlite_[^/]*$|tests/"),
     (r"grpc(pp|\+\+)?/.*|.*\.grpc\.pb\.h", r"(server/service|server/app|client/api|tests)/"),
     (r"maploc/v1/.*\.pb\.h", r"(server/service|server/app|client/api|proto/convert|tests)/"),
+    (r"maploc/recording/v1/.*\.pb\.h", r"(server/(service|recorder)|proto/recording|tests)/"),
+    (r"zlib\.h", r"proto/recording/crc_frame\.cc$|tests/"),
     (r"ceres/.*", r"(server/refinement|tests)/|mapstore/importers/[^/]*triangulat[^/]*$"),
     (r"openssl/.*", r"server/app/tls_material\.cc$|server/access/token\.cc$|tests/"),
     (r"opencv2/.*", r"(mapstore/features|client|tests)/"),

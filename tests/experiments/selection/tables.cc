@@ -4,7 +4,7 @@
 #include <ostream>
 
 #include "mapstore/base/table.h"
-#include "mapstore/statistics/text.h"
+#include "mapstore/base/text.h"
 #include "mapstore/tools/output.h"
 #include "tests/experiments/selection/groups.h"
 

@@ -93,6 +93,9 @@ class RealDataTest : public ::testing::Test {
   }
 
   const TemporaryFolder folder_;
+  // Records every query, which costs the other tests nothing that they look at.
+  ServerProcess server_{folder_,
+                        {"--recorder", folder_.File("recording"), "--recorder-every", "1"}};
 
  private:
   static void Print(const std::string& session, json report) {
@@ -101,7 +104,6 @@ class RealDataTest : public ::testing::Test {
   }
 
   std::filesystem::path data_;
-  ServerProcess server_{folder_};
   std::string address_;
 };
 

@@ -1,4 +1,4 @@
-#include "mapstore/statistics/text.h"
+#include "mapstore/base/text.h"
 
 #include <array>
 #include <cstdio>
