@@ -11,6 +11,7 @@
 #include "server/trust/chance.h"
 #include "server/trust/confidence.h"
 #include "server/trust/determination.h"
+#include "server/trust/lens_search.h"
 #include "server/trust/rival.h"
 #include "server/trust/visibility.h"
 
@@ -53,7 +54,10 @@ ConfidenceOptions ChanceOptions(const Camera& camera, const TrustOptions& option
 class Judge {
  public:
   Judge(const PoseProblem& problem, const Camera& camera, const TrustOptions& options)
-      : problem_(problem), options_(options), chance_(ChanceOptions(camera, options)) {}
+      : problem_(problem),
+        camera_(camera),
+        options_(options),
+        chance_(ChanceOptions(camera, options)) {}
 
   Verdict Run(const RefinedPose& found) {
     verdict_.pose = WithoutUnseen(problem_, found);
@@ -158,14 +162,18 @@ class Judge {
 
   bool IsCalibrated() {
     const bool believes_gravity = options_.gravity_was_sent && verdict_.gravity.consistent;
-    const CalibrationCheck check = CheckCalibration(
-        WithGravity(problem_, believes_gravity), verdict_.pose, chance_.max_reprojection_error_px);
+    const PoseProblem problem = WithGravity(problem_, believes_gravity);
+    const double threshold_px = chance_.max_reprojection_error_px;
+    const CalibrationCheck check = CheckCalibration(problem, verdict_.pose, threshold_px);
     verdict_.focal_scale = check.focal_scale;
     verdict_.pose.covariance += check.covariance;
-    return check.consistent;
+    const bool rejects_gravity = options_.gravity_was_sent && !believes_gravity;
+    return check.consistent && !AgreesBetterThroughAnotherLens(problem, verdict_.pose, camera_,
+                                                               rejects_gravity, threshold_px);
   }
 
   PoseProblem problem_;
+  const Camera& camera_;
   const TrustOptions& options_;
   const ConfidenceOptions chance_;
   Verdict verdict_;
