@@ -42,12 +42,12 @@ class ConvertFuzz : public ::testing::Test {
 TEST_F(ConvertFuzz, QueryFromProtoSurvivesAnything) {
   Random random = testing::TestRandom();
   const std::string valid = testing::ValidRequest().SerializeAsString();
-  const auto end = std::chrono::steady_clock::now() + FuzzTime();
+  const auto end = std::chrono::steady_clock::now() + testing::FuzzTime();
   int accepted = 0;
   int refused = 0;
   while (std::chrono::steady_clock::now() < end) {
     v1::LocalizeRequest request;
-    if (!request.ParseFromString(NextInput(random, valid))) continue;
+    if (!request.ParseFromString(testing::NextInput(random, valid))) continue;
     const Result<Query> query = QueryFromProto(request);
     if (query.ok()) {
       ++accepted;
@@ -72,10 +72,10 @@ TEST_F(ConvertFuzz, AnswersAndSessionsSurviveAnything) {
   localized.matches.points = {{.feature = 1}, {.feature = 2}};
   LocalizationToProto(Query{}, localized, true, &valid);
   const std::string bytes = valid.SerializeAsString();
-  const auto end = std::chrono::steady_clock::now() + FuzzTime();
+  const auto end = std::chrono::steady_clock::now() + testing::FuzzTime();
   int accepted = 0;
   while (std::chrono::steady_clock::now() < end) {
-    const std::string input = NextInput(random, bytes);
+    const std::string input = testing::NextInput(random, bytes);
     v1::LocalizeResponse response;
     if (response.ParseFromString(input)) {
       const Result<Localization> answer = LocalizationFromProto(response, "yard");
