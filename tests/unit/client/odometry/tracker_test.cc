@@ -60,6 +60,30 @@ TEST_F(TrackerTest, TheWayOfARobotThatDrivesInCirclesIsKnown) {
   EXPECT_NEAR(after - before, std::pow(0.02 * 4.0, 2), 1e-9);
 }
 
+TEST_F(TrackerTest, AStandingRobotGetsNoMoreCertainThanItsAnswersAre) {
+  Tracker fresh = *Tracker::Create();
+  const auto judge = [&fresh](double x, double off) {
+    ASSERT_TRUE(fresh.Judge(At(x), {At(x, off), kCovariance})->taken());
+  };
+  for (int i = 0; i < 2; ++i) ASSERT_FALSE(fresh.Judge(At(0.0), {At(0.0), kCovariance})->taken());
+  for (int i = 0; i < 500; ++i) judge(0.01 * (i % 4), 0.0);  // its odometry trembles
+  const UncertainPose pose = *fresh.MapFromBase(At(0.0));
+  for (int i = 0; i < 6; ++i) EXPECT_GE(pose.covariance(i, i), kCovariance(i, i)) << i;
+  EXPECT_LT(pose.covariance(0, 0), 2.0 * kCovariance(0, 0)) << "nor does it forget where it is";
+}
+
+TEST_F(TrackerTest, AStandingRobotIsNotDrawnToWhatItsAnswersHaveInCommon) {
+  for (double x = 1.5; x < 10.0; x += 0.5) ASSERT_TRUE(AnswerAt(x)->taken());
+  const auto error = [this] {
+    return tracker_.MapFromBase(At(10.0))->map_from_body.translation.y();
+  };
+  ASSERT_TRUE(AnswerAt(10.0, 0.06)->taken());
+  const double once = error();
+  for (int i = 0; i < 500; ++i) ASSERT_TRUE(AnswerAt(10.0, 0.06)->taken());
+  EXPECT_NEAR(error(), once, 1e-9);
+  EXPECT_LT(once, 0.03);
+}
+
 TEST_F(TrackerTest, WhatIsNoInputIsRefusedByNameAndChangesNothing) {
   const double nan = std::nan("");
   const Rigid3 doubled{Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0), Eigen::Vector3d::Zero()};

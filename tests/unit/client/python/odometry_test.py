@@ -128,6 +128,14 @@ class TrackerTest(unittest.TestCase):
         self.assertGreater(after.covariance[0, 0], before.covariance[0, 0] + 0.03**2)
         self.assertEqual(self.tracker.held_in_a_row, 0)
 
+    def test_a_standing_robot_gets_no_more_certain_than_its_answers_are(self) -> None:
+        self.tracker = maploc.Tracker()
+        for _ in range(200):
+            self.answer_at(0.0)
+        pose = self.tracker.map_from_base(self.at(0.0))
+        assert pose is not None
+        self.assertGreaterEqual(np.diag(pose.covariance).min(), 1e-3)
+
     def test_what_is_no_input_is_refused_by_name(self) -> None:
         good = maploc.Pose(np.zeros(3), np.array([0, 0, 0, 1.0]), np.eye(6))
         skew = np.eye(6)
