@@ -1,6 +1,7 @@
 #include "client/odometry/track.h"
 
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -13,7 +14,9 @@ constexpr double kPlaceRadians = 0.05;
 
 // The largest contradiction over all directions of three dimensions, in standard deviations.
 double Sigmas(const Eigen::Vector3d& gap, const Eigen::Matrix3d& covariance) {
-  return std::sqrt(gap.dot(covariance.llt().solve(gap)));
+  const double squared = gap.dot(covariance.llt().solve(gap));
+  // Rounding may leave no covariance where an answer's variances are 10^12 times odometry's.
+  return squared >= 0.0 ? std::sqrt(squared) : std::numeric_limits<double>::infinity();
 }
 
 // A Kalman filter's update.

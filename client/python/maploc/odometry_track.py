@@ -83,7 +83,8 @@ class Track:
 
     def _is_at_this_place(self, here: Floats) -> bool:
         turn = rotation_vector(inverse(self._here)[:3, :3] @ here[:3, :3])
-        return math.dist(here[:3, 3], self._here[:3, 3]) < _PLACE_METERS and np.linalg.norm(turn) < _PLACE_RADIANS
+        way = math.dist(here[:3, 3], self._here[:3, 3])
+        return way < _PLACE_METERS and float(np.linalg.norm(turn)) < _PLACE_RADIANS
 
     def _average(self, here: Floats, measured: Pose) -> None:
         at_begin = moved(measured, inverse(here) @ self._here)
@@ -122,4 +123,6 @@ def _fused(expected: Pose, measured: Pose) -> Pose:
 
 def _sigmas(gap: Floats, covariance: Floats) -> float:
     """The largest contradiction over all directions of three dimensions, in standard deviations."""
-    return math.sqrt(float(gap @ np.linalg.solve(covariance, gap)))
+    squared = float(gap @ np.linalg.solve(covariance, gap))
+    # Rounding may leave no covariance where an answer's variances are 10^12 times odometry's.
+    return math.sqrt(squared) if squared >= 0 else math.inf

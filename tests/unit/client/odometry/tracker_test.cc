@@ -89,16 +89,20 @@ TEST_F(TrackerTest, WhatIsNoInputIsRefusedByNameAndChangesNothing) {
   const Rigid3 doubled{Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0), Eigen::Vector3d::Zero()};
   PoseCovariance skewed = kCovariance;
   skewed(0, 1) = 5e-4;
+  PoseCovariance mixed = 1e10 * PoseCovariance::Identity();  // metres that hide radians
+  mixed(5, 5) = -5e-3;
   const auto message = [&](const Rigid3& here, const UncertainPose& answer) {
     const Result<Decision> decision = tracker_.Judge(here, answer);
     return decision.ok() ? std::string("taken for good") : decision.status().message();
   };
   EXPECT_THAT(message(At(nan), {At(0.0), kCovariance}), StartsWith("odom_from_base: "));
   EXPECT_THAT(message(doubled, {At(0.0), kCovariance}), StartsWith("odom_from_base: "));
+  EXPECT_THAT(message(At(1e200), {At(0.0), kCovariance}), StartsWith("odom_from_base: "));
   EXPECT_THAT(message(At(9.0), {At(nan), kCovariance}), StartsWith("answer.map_from_body: "));
   EXPECT_THAT(message(At(9.0), {doubled, kCovariance}), StartsWith("answer.map_from_body: "));
-  for (const PoseCovariance& bad : {PoseCovariance(nan * kCovariance), PoseCovariance(-kCovariance),
-                                    PoseCovariance(0.0 * kCovariance), skewed}) {
+  for (const PoseCovariance& bad :
+       {PoseCovariance(nan * kCovariance), PoseCovariance(-kCovariance),
+        PoseCovariance(0.0 * kCovariance), skewed, mixed, PoseCovariance(1e300 * kCovariance)}) {
     EXPECT_THAT(message(At(9.0), {At(9.0), bad}), StartsWith("answer.covariance: "));
   }
   EXPECT_FALSE(tracker_.Advance(At(nan)).ok());
@@ -111,7 +115,10 @@ TEST(TrackerOptions, BadOnesAreRefusedByName) {
     return Tracker::Create(options).status().message();
   };
   EXPECT_THAT(message({.drift = {.at_rest = {}}}), StartsWith("drift.at_rest: "));
+  EXPECT_THAT(message({.drift = {.at_rest = {1e-200, 1.0, 1.0, 1.0}}}),
+              StartsWith("drift.at_rest: "));
   EXPECT_THAT(message({.drift = {.per_meter = {-1.0}}}), StartsWith("drift.per_meter: "));
+  EXPECT_THAT(message({.drift = {.per_meter = {1e200}}}), StartsWith("drift.per_meter: "));
   EXPECT_THAT(message({.drift = {.per_radian = {std::nan("")}}}), StartsWith("drift.per_radian: "));
   EXPECT_THAT(message({.max_sigmas = 0.0}), StartsWith("max_sigmas: "));
   EXPECT_THAT(message({.agreeing_answers = 0}), StartsWith("agreeing_answers: "));
