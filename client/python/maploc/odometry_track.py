@@ -65,8 +65,10 @@ class Track:
         )
 
     def take(self, here: Floats, answer: Pose, smooth: bool) -> None:
-        """Follows the answer: wholly, or smoothed with what was known before (a Kalman filter's update). Smoothed answers
-        of one place count as one, because they err alike."""
+        """Follows the answer: wholly, or smoothed with what was known before (a Kalman filter's update).
+
+        Smoothed answers of one place count as one, because they err alike.
+        """
         measured = _pose(answer.map_from_body, self._measured(answer))
         if smooth and self._is_at_this_place(here):
             self._average(here, measured)
