@@ -24,12 +24,8 @@ using Json = nlohmann::json;
 // Root may write everywhere.
 class AsNobody {
  public:
-  AsNobody() {
-    if (was_root_) EXPECT_EQ(setresuid(65534, 65534, 0), 0);
-  }
-  ~AsNobody() {
-    if (was_root_) EXPECT_EQ(setresuid(0, 0, 0), 0);
-  }
+  AsNobody() { EXPECT_TRUE(!was_root_ || setresuid(65534, 65534, 0) == 0); }
+  ~AsNobody() { EXPECT_TRUE(!was_root_ || setresuid(0, 0, 0) == 0); }
   AsNobody(const AsNobody&) = delete;
   AsNobody& operator=(const AsNobody&) = delete;
 
