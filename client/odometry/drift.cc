@@ -20,7 +20,8 @@ double Growth(double way) { return way * std::max(way, 1.0); }
 Status CheckSigmas(const std::string& field, const PoseSigmas& sigmas, bool may_be_zero) {
   for (const double sigma :
        {sigmas.horizontal_m, sigmas.vertical_m, sigmas.tilt_rad, sigmas.yaw_rad}) {
-    if (!std::isfinite(sigma) || sigma < 0.0 || (sigma == 0.0 && !may_be_zero)) {
+    const double variance = sigma * sigma;  // may overflow, or vanish
+    if (!std::isfinite(variance) || sigma < 0.0 || (variance == 0.0 && !may_be_zero)) {
       return InvalidArgument(
           field, may_be_zero ? "must be finite and not negative" : "must be finite and positive");
     }

@@ -8,6 +8,8 @@ namespace maploc {
 namespace {
 
 constexpr double kUnitTolerance = 1e-6;      // of the norm: normalized in single precision
+constexpr double kLargestMeters = 1e9;       // beyond it a double has no millimetres
+constexpr double kLargestVariance = 1e12;    // beyond it a sum with what odometry adds is not exact
 constexpr double kSymmetryTolerance = 1e-6;  // relative: numbers that were printed and read again
 constexpr double kRoundingVariance = 1e-12;  // relative: a singular covariance is one too
 
@@ -60,6 +62,9 @@ Status CheckPose(std::string_view field, const Rigid3& pose) {
   if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) {
     return InvalidArgument(field, "must be finite", "NOT_FINITE");
   }
+  if (pose.translation.cwiseAbs().maxCoeff() > kLargestMeters) {
+    return InvalidArgument(field, "its position must be within 1e9 of the origin", "OUT_OF_RANGE");
+  }
   if (std::abs(pose.rotation.norm() - 1.0) > kUnitTolerance) {
     return InvalidArgument(field, "its quaternion must have the norm 1; normalize it",
                            "NOT_A_ROTATION");
@@ -69,13 +74,19 @@ Status CheckPose(std::string_view field, const Rigid3& pose) {
 
 Status CheckCovariance(std::string_view field, const PoseCovariance& covariance) {
   if (!covariance.allFinite()) return InvalidArgument(field, "must be finite", "NOT_FINITE");
-  const double largest = covariance.cwiseAbs().maxCoeff();
-  if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > kSymmetryTolerance * largest) {
+  const PoseVector variances = covariance.diagonal();
+  if (variances.minCoeff() < 0.0 || variances.maxCoeff() > kLargestVariance) {
+    return InvalidArgument(field, "its variances must be in 0 to 1e12", "NOT_A_COVARIANCE");
+  }
+  // Correlations: so that metres do not hide what is wrong with radians.
+  const PoseVector scale =
+      variances.unaryExpr([](double v) { return v > 0.0 ? 1.0 / std::sqrt(v) : 1.0; });
+  const PoseCovariance correlations = scale.asDiagonal() * covariance * scale.asDiagonal();
+  if ((correlations - correlations.transpose()).cwiseAbs().maxCoeff() > kSymmetryTolerance) {
     return InvalidArgument(field, "must be symmetric", "NOT_A_COVARIANCE");
   }
-  const PoseCovariance rounded =
-      covariance + kRoundingVariance * largest * PoseCovariance::Identity();
-  if (largest == 0.0 || rounded.llt().info() != Eigen::Success) {
+  const PoseCovariance rounded = correlations + kRoundingVariance * PoseCovariance::Identity();
+  if (variances.maxCoeff() == 0.0 || rounded.llt().info() != Eigen::Success) {
     return InvalidArgument(field, "must be positive semidefinite and not zero; send the answer's",
                            "NOT_A_COVARIANCE");
   }

@@ -34,9 +34,10 @@ Rigid3 Plus(const Rigid3& pose, const PoseVector& difference);
 // [v]x: CrossMatrix(v) * w = v x w.
 Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v);
 
-// INVALID_ARGUMENT with the field's name: not finite, or no unit quaternion.
+// INVALID_ARGUMENT with the field's name: not finite, too far away, or no unit quaternion.
 Status CheckPose(std::string_view field, const Rigid3& pose);
-// INVALID_ARGUMENT with the field's name: not finite, not symmetric, a negative variance.
+// INVALID_ARGUMENT with the field's name: not finite, too large, not symmetric, a negative
+// variance.
 Status CheckCovariance(std::string_view field, const PoseCovariance& covariance);
 
 }  // namespace maploc

@@ -1,7 +1,5 @@
 #include "mapstore/base/name.h"
 
-#include <string>
-
 #include <utf8proc.h>
 
 #include "mapstore/base/ids.h"
@@ -28,6 +26,11 @@ bool IsControl(utf8proc_int32_t code_point) {
 }
 
 }  // namespace
+
+std::string LabelField(std::string_view key) {
+  if (key.find_first_of("[]") != std::string_view::npos) return "labels";
+  return "labels[" + std::string(key) + "]";
+}
 
 Status CheckName(std::string_view field, std::string_view name) {
   if (name.size() > kMaxIdBytes) {

@@ -1,3 +1,4 @@
+#include <charconv>
 #include <filesystem>
 
 #include "mapstore/store/sqlite_store.h"
@@ -10,6 +11,15 @@ Result<std::unique_ptr<MapStore>> OpenStore(const CommandContext& context, bool 
   SqliteStoreOptions options;
   options.create = create;
   return OpenSqliteStore(context.store_path, options);
+}
+
+// CLI11 would take what is beyond 64 bits for their largest number.
+std::string CheckVersion(const std::string& text) {
+  std::int64_t version = 0;
+  const char* const end = text.data() + text.size();
+  const auto [parsed, error] = std::from_chars(text.data(), end, version);
+  const bool good = error == std::errc() && parsed == end && version > 0;
+  return good ? "" : "must be a whole number, 1 or more, got '" + text + "'";
 }
 
 }  // namespace
@@ -47,7 +57,7 @@ void AddVersionOption(CLI::App& command, std::optional<std::int64_t>& version) {
 void AddRequiredVersionOption(CLI::App& command, std::int64_t& version) {
   command.add_option("--version", version, "The version, as `versions` lists them")
       ->required()
-      ->check(CLI::PositiveNumber)
+      ->check(CheckVersion)
       ->type_name("N");
 }
 

@@ -35,7 +35,7 @@ Result<SessionRequest> SessionRequestFromProto(const v1::StartSessionRequest& re
   for (const auto& [key, value] : request.labels()) {
     if (key.empty()) return InvalidArgument("labels", "one has an empty key", "REQUIRED");
     MAPLOC_RETURN_IF_ERROR(CheckName("labels", key));
-    MAPLOC_RETURN_IF_ERROR(CheckName("labels[" + key + "]", value));
+    MAPLOC_RETURN_IF_ERROR(CheckName(LabelField(key), value));
   }
   return SessionRequest{.map = request.map(),
                         .robot = request.robot(),

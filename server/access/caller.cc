@@ -43,7 +43,10 @@ Status Caller::CheckStart(const std::string& map, const std::string& robot) cons
   MAPLOC_RETURN_IF_ERROR(CheckRobot());
   MAPLOC_RETURN_IF_ERROR(CheckRead(map));
   if (!grant_ || grant_->robot == robot) return Status::Ok();
-  return Forbidden("ROBOT_FORBIDDEN", "robot: the token is that of robot '" + grant_->robot + "'");
+  return Forbidden("ROBOT_FORBIDDEN",
+                   "robot: the token is that of robot '" + grant_->robot +
+                       "', the session would be that of '" + robot +
+                       "'; start it under the token's name (--robot), or use another token");
 }
 
 Status Caller::CheckLocalize(const std::string& map) const {

@@ -1,9 +1,13 @@
 #include "server/app/check_config.h"
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
 
+#include <fcntl.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "mapstore/base/standard_output.h"
 #include "mapstore/base/table.h"
@@ -19,15 +23,33 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Of a file that a start would make.
+Status CheckFolder(const std::string& option, const std::string& path) {
+  std::error_code none;
+  const std::string folder = std::filesystem::absolute(path).parent_path().string();
+  if (!std::filesystem::is_directory(folder, none)) {
+    return Status(StatusCode::kNotFound, "FOLDER_NOT_FOUND",
+                  option + ": the folder " + folder + " does not exist; make it");
+  }
+  if (faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) == 0) return Status::Ok();
+  return Status(StatusCode::kPermissionDenied, "CANNOT_WRITE",
+                option + ": this program may not write in the folder " + folder + " (" +
+                    std::strerror(errno) + "); run it as the folder's owner, or choose another");
+}
+
+Status CheckAddressesDiffer(const ServerOptions& options) {
+  if (!IsSameAddress(options.listen, options.metrics_listen)) return Status::Ok();
+  return InvalidArgument("--metrics-listen", "is the address of --listen; choose another port",
+                         "SAME_ADDRESS");
+}
+
 // A fresh one would be made in an existing folder.
 Status CheckStoreOpens(const std::string& path) {
   std::error_code none;
   const auto bytes = std::filesystem::file_size(path, none);
   if (none || bytes == 0) {
-    const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
-    if (std::filesystem::is_directory(folder, none)) return CheckStore(path);
-    return Status(StatusCode::kNotFound, "STORE_NOT_FOUND",
-                  "--store: the folder " + folder.string() + " does not exist; make it");
+    MAPLOC_RETURN_IF_ERROR(CheckFolder("--store", path));
+    return CheckStore(path);
   }
   SqliteStoreOptions options;
   options.create = false;
@@ -41,7 +63,9 @@ std::vector<std::string> FindFaults(const ServerOptions& options) {
   std::vector<Status> checks{CheckHost("--listen", options.listen), CheckExposure(options)};
   if (!options.metrics_listen.empty()) {
     checks.push_back(CheckHost("--metrics-listen", options.metrics_listen));
+    checks.push_back(CheckAddressesDiffer(options));
   }
+  if (!options.port_file.empty()) checks.push_back(CheckFolder("--port-file", options.port_file));
   if (!options.tls.cert.empty() && !options.tls.key.empty()) {
     const std::vector<Status> tls = FindTlsFaults(options.tls);
     checks.insert(checks.end(), tls.begin(), tls.end());

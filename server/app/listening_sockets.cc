@@ -144,6 +144,25 @@ Status CheckHost(const std::string& option, const std::string& address) {
                          "UNKNOWN_HOST");
 }
 
+bool IsSameAddress(const std::string& a, const std::string& b) {
+  const HostAndPort one = Split(a);
+  const HostAndPort other = Split(b);
+  const int port = std::atoi(one.port.c_str());
+  if (port == 0 || port != std::atoi(other.port.c_str())) return false;
+  if (IsEveryAddress(one.host) || IsEveryAddress(other.host)) return true;
+  const Addresses left = Resolve(one.host, "0");
+  const Addresses right = Resolve(other.host, "0");
+  for (const addrinfo* l = left.get(); l != nullptr; l = l->ai_next) {
+    for (const addrinfo* r = right.get(); r != nullptr; r = r->ai_next) {
+      if (l->ai_addrlen == r->ai_addrlen &&
+          std::memcmp(l->ai_addr, r->ai_addr, l->ai_addrlen) == 0) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 bool IsBeyondLoopback(const std::string& address) {
   const Addresses addresses = Resolve(Split(address).host, "0");
   for (const addrinfo* one = addresses.get(); one != nullptr; one = one->ai_next) {

@@ -29,4 +29,7 @@ Status CheckHost(const std::string& option, const std::string& address);
 // loopback one. False where the host is unknown, on which nobody can listen either. Thread-safe.
 bool IsBeyondLoopback(const std::string& address);
 
+// Whether a socket on one HOST:PORT keeps another from the other. Thread-safe.
+bool IsSameAddress(const std::string& a, const std::string& b);
+
 }  // namespace maploc

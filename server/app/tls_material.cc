@@ -1,6 +1,7 @@
 #include "server/app/tls_material.h"
 
 #include <ctime>
+#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -53,15 +54,25 @@ Key PrivateKey(const std::string& pem) {
   return key;
 }
 
+// The server looks at its files again and again, which no pipe endures: opening one would wait.
+Result<std::string> ReadTlsFile(const std::string& path) {
+  std::error_code none;
+  if (std::filesystem::is_fifo(path, none)) {
+    return Refuse(path, "TLS_FILE_UNREADABLE",
+                  "is a pipe, which cannot be read again; give a file");
+  }
+  return ReadSmallFile(path, "TLS_FILE_UNREADABLE");
+}
+
 Result<std::string> ReadCertificates(const std::string& path) {
-  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadSmallFile(path, "TLS_FILE_UNREADABLE"));
+  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadTlsFile(path));
   if (FirstCertificate(pem) != nullptr) return pem;
   return Refuse(path, "TLS_FILE_INVALID",
                 "holds no certificate; it must be PEM and begin with BEGIN CERTIFICATE");
 }
 
 Result<std::string> ReadKey(const std::string& path) {
-  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadSmallFile(path, "TLS_FILE_UNREADABLE"));
+  MAPLOC_ASSIGN_OR_RETURN(std::string pem, ReadTlsFile(path));
   if (PrivateKey(pem) != nullptr) return pem;
   return Refuse(path, "TLS_FILE_INVALID",
                 "holds no private key that can be read; it must be PEM and not encrypted (openssl "
@@ -77,6 +88,20 @@ Status CheckDates(const std::string& path, const X509& certificate) {
                   "the certificate is not valid yet; is this machine's clock right?");
   }
   return Status::Ok();
+}
+
+// One that is in force suffices: a bundle may hold its predecessor too.
+Status CheckAuthorities(const std::string& path, const std::string& pem) {
+  const Bio reader = Reader(pem);
+  Status status;
+  while (true) {
+    const Certificate authority(PEM_read_bio_X509(reader.get(), nullptr, NoPassphrase, nullptr));
+    if (authority == nullptr) break;
+    status = CheckDates(path, *authority);
+    if (status.ok()) break;
+  }
+  ERR_clear_error();
+  return status;
 }
 
 std::int64_t EndOf(const X509& certificate) {
@@ -115,6 +140,7 @@ Checked Check(const TlsFiles& files) {
   material.key_pem = checked.Take(ReadKey(files.key));
   if (!files.client_ca.empty()) {
     material.client_ca_pem = checked.Take(ReadCertificates(files.client_ca));
+    checked.Add(CheckAuthorities(files.client_ca, material.client_ca_pem));
   }
   if (material.cert_chain_pem.empty()) return checked;
   const Certificate certificate = FirstCertificate(material.cert_chain_pem);

@@ -26,7 +26,8 @@ struct TlsMaterial {
 
 // INVALID_ARGUMENT with the file, the cause and the cure: TLS_FILE_UNREADABLE (1 MiB at most);
 // TLS_FILE_INVALID (no certificate, no key, an encrypted key); TLS_KEY_MISMATCH;
-// TLS_CERTIFICATE_EXPIRED (also one that is not valid yet). No message holds what a file holds.
+// TLS_CERTIFICATE_EXPIRED (also one that is not valid yet, and clients' authorities of which
+// none is valid). No message holds what a file holds.
 // Thread-safe.
 Result<TlsMaterial> ReadTlsMaterial(const TlsFiles& files);
 // Every fault for which ReadTlsMaterial refuses the files, not only the first.

@@ -1,5 +1,6 @@
 #include "server/app/token_command.h"
 
+#include <cctype>
 #include <chrono>
 #include <ctime>
 #include <filesystem>
@@ -132,6 +133,13 @@ Status Revoke(const Flags& flags) {
   return Status::Ok();
 }
 
+// CLI11 takes "d" for one day; a script's "${DAYS}d" without DAYS must not.
+std::string RefuseUnitAlone(const std::string& time) {
+  return !time.empty() && (std::isdigit(static_cast<unsigned char>(time[0])) != 0)
+             ? ""
+             : "must be a number with its unit, such as 90d, got '" + time + "'";
+}
+
 using Work = std::function<Status(const Flags&)>;
 
 CLI::App* Add(CLI::App& app, Flags& flags, Work* chosen, const char* name, const char* what,
@@ -159,6 +167,7 @@ void AddCreate(CLI::App& app, Flags& flags, Work* chosen) {
       ->transform(CLI::AsNumberWithUnit(
           std::map<std::string, std::int64_t>{{"s", 1}, {"m", 60}, {"h", 3600}, {"d", 86400}},
           CLI::AsNumberWithUnit::UNIT_REQUIRED, "TIME"))
+      ->transform(CLI::Validator(RefuseUnitAlone, ""))  // runs first
       ->check(CLI::Range(std::int64_t{1}, kLongestLifetimeS));
   create->add_option("--map", flags.grant.maps, "A map that the token is for, repeated; none: all")
       ->take_all();

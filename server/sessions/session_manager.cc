@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "mapstore/base/name.h"
 #include "mapstore/base/wait_limit.h"
 #include "mapstore/store/validation.h"
 #include "server/sessions/map_version.h"
@@ -27,7 +28,7 @@ std::int64_t LastSequence(const std::vector<Observation>& observations) {
 Status CheckLabels(const std::map<std::string, std::string>& labels) {
   for (const auto& [name, value] : labels) {
     if (name.starts_with(kReservedLabelPrefix)) {
-      return InvalidArgument("labels[" + name + "]", "names under 'maploc.' are the server's own",
+      return InvalidArgument(LabelField(name), "names under 'maploc.' are the server's own",
                              "RESERVED_LABEL");
     }
   }

@@ -23,15 +23,12 @@ from tf2_ros import Buffer, TransformBroadcaster, TransformException, TransformL
 import maploc
 from maploc import ros
 
-DEFAULTS = {
-    "server": "127.0.0.1:50051",
-    "map": "yard",
-    "robot": "ros-robot",
-    **{"map_frame": "map", "odom_frame": "odom", "base_frame": "base_link"},  # REP-105
-}
+DEFAULTS = {"server": "127.0.0.1:50051", "map": "yard", "robot": "ros-robot"}
+DEFAULTS |= {"map_frame": "map", "odom_frame": "odom", "base_frame": "base_link"}  # REP-105
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # a slow answer must not pile up images
 TF_SECONDS = 0.05  # between broadcasts of map to odom
 WAIT = Duration(seconds=0.3)  # an image may come before the odometry of its stamp
+ENDED = ("SESSION_CLOSED", "SESSION_NOT_FOUND")  # idle for too long; or the server has another store
 IMU_NANOS = 100_000_000  # an older sample says nothing of the image
 
 
@@ -44,8 +41,9 @@ def message(kind: type[Any], fields: dict[str, Any]) -> Any:
 class LocalizerNode:
     """Localizes each image and holds the answers against odometry."""
 
-    def __init__(self, node: Any, session: maploc.Session, names: dict[str, str]) -> None:
-        self._node, self._session, self._names = node, session, names
+    def __init__(self, node: Any, client: maploc.Client, names: dict[str, str]) -> None:
+        self._node, self._client, self._names = node, client, names
+        self.session: maploc.Session | None = None
         self._tracker = maploc.Tracker()
         self._camera: maploc.Camera | None = None
         self._gravity: tuple[int, maploc.Gravity] | None = None  # with its stamp
@@ -56,11 +54,8 @@ class LocalizerNode:
         self._pose = node.create_publisher(PoseWithCovarianceStamped, "pose", 10)
         self._diagnostics = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         # Each in a group of its own: tf and the IMU go on while an image is being localized.
-        for kind, topic, callback in (
-            (Image, "image", self.on_image),
-            (CameraInfo, "camera_info", self.on_camera_info),
-            (Imu, "imu", self.on_imu),
-        ):
+        info = CameraInfo, "camera_info", self.on_camera_info
+        for kind, topic, callback in ((Image, "image", self.on_image), info, (Imu, "imu", self.on_imu)):
             node.create_subscription(kind, topic, callback, NEWEST, callback_group=MutuallyExclusiveCallbackGroup())
         node.create_timer(TF_SECONDS, self.on_timer, callback_group=MutuallyExclusiveCallbackGroup())
 
@@ -75,21 +70,20 @@ class LocalizerNode:
         """Takes gravity, in the base's frame."""
         try:
             base_from_imu = self._look_up(self._names["base_frame"], imu.header.frame_id, Time())
-            sample = ros.gravity(imu, base_from_imu[:3, :3])
-            self._gravity = ros.unix_nanos(imu.header.stamp), sample
+            self._gravity = ros.unix_nanos(imu.header.stamp), ros.gravity(imu, base_from_imu[:3, :3])
         except (maploc.MaplocError, TransformException):
             self._gravity = None  # a bump; or tf has not begun
 
     def on_image(self, image: Any) -> None:
         """Asks the server, and publishes the pose of the image's stamp and what became of the answer."""
         nanos, base = ros.unix_nanos(image.header.stamp), self._names["base_frame"]
+        if nanos < 0:
+            return self._tell(DiagnosticStatus.ERROR, "the image's stamp is negative", 0)
         try:
-            stamp = Time.from_msg(image.header.stamp)
-            odom_from_base = self._look_up(self._names["odom_frame"], base, stamp)
+            odom_from_base = self._look_up(self._names["odom_frame"], base, Time.from_msg(image.header.stamp))
             camera_from_base = self._look_up(image.header.frame_id, base, Time())
         except TransformException as error:
-            self._tell(DiagnosticStatus.WARN, f"no transform: {error}", nanos)
-            return
+            return self._tell(DiagnosticStatus.WARN, f"no transform: {error}", nanos)
         self._tell(*self._judge(image, nanos, odom_from_base, camera_from_base), nanos)
         pose, self._map_from_odom = self._tracker.map_from_base(odom_from_base), self._tracker.map_from_odom()
         if pose:
@@ -111,13 +105,16 @@ class LocalizerNode:
         gravity = self._gravity[1] if self._gravity and abs(self._gravity[0] - nanos) < IMU_NANOS else None
         options = maploc.QueryOptions(capture_unix_nanos=nanos)
         try:
-            answer = self._session.localize_photo(
+            self.session = self.session or self._client.session(self._names["map"], self._names["robot"])
+            answer = self.session.localize_photo(
                 ros.pixels(image), self._camera, gravity=gravity, camera_from_body=camera_from_base, options=options
             )
             if answer.pose is None:
                 return DiagnosticStatus.WARN, f"not localized: {answer.outcome.name}"
             decision = self._tracker.judge(odom_from_base, answer.pose)
         except maploc.MaplocError as error:
+            if error.reason in ENDED:
+                self.session = None  # the next image begins another
             return DiagnosticStatus.ERROR, str(error)
         return DiagnosticStatus.OK if decision.taken else DiagnosticStatus.WARN, decision.reason
 
@@ -135,14 +132,16 @@ def main() -> None:
     rclpy.init()
     node = rclpy.create_node("maploc")
     names = {name: str(node.declare_parameter(name, value).value) for name, value in DEFAULTS.items()}
-    with maploc.Client(names["server"]) as client, client.session(names["map"], names["robot"]) as session:
-        if not session.map.metric:
+    with maploc.Client(names["server"]) as client:
+        if not client.map(names["map"]).metric:
             raise SystemExit("the map is not metric; import it with --scale")
-        LocalizerNode(node, session, names)
+        localizer = LocalizerNode(node, client, names)
         executor = MultiThreadedExecutor(num_threads=4)
         executor.add_node(node)
         with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
             executor.spin()
+        if localizer.session:
+            localizer.session.end()
     node.destroy_node()
 
 

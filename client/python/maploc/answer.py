@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from maploc.arrays import Floats, matrix_from_quaternion
+from maploc.arrays import LARGEST_METERS, Floats, matrix_from_quaternion, numbers
+from maploc.errors import invalid
 from maploc.query import DescriptorKind, Strategy
 
 
@@ -61,6 +62,15 @@ class Pose:
         matrix[:3, :3] = matrix_from_quaternion(self.orientation_xyzw)
         matrix[:3, 3] = self.position_in_map
         return matrix
+
+
+def check_pose(field: str, pose: Pose) -> None:
+    """Refuses one whose numbers are no pose's; the covariance is not looked at."""
+    position = numbers(f"{field}.position_in_map", pose.position_in_map, (3,))
+    if float(np.abs(position).max()) > LARGEST_METERS:
+        invalid(f"{field}.position_in_map", "must be within 1e9 of the origin", "OUT_OF_RANGE")
+    if abs(float(np.linalg.norm(numbers(f"{field}.orientation_xyzw", pose.orientation_xyzw, (4,)))) - 1) > 1e-3:
+        invalid(f"{field}.orientation_xyzw", "must have the norm 1; normalize it", "NOT_A_ROTATION")
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,17 @@ import numpy.typing as npt
 from maploc.errors import invalid
 
 Floats = npt.NDArray[np.float64]
+LARGEST_METERS = 1e9  # of a coordinate: beyond it a double has no millimetres
+
+
+def is_number(value: Any) -> bool:
+    """NumPy's too; a bool is none."""
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+
+
+def is_whole(value: Any) -> bool:
+    """NumPy's too; a bool is none."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
 def numbers(

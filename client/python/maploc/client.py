@@ -8,10 +8,10 @@ from typing import Self
 
 from maploc import wire
 from maploc.answer import Localization, Map, Segment, SessionSummary
-from maploc.arrays import Floats
+from maploc.arrays import Floats, is_whole
 from maploc.camera import Camera
 from maploc.channel import Channel
-from maploc.errors import MaplocError
+from maploc.errors import MaplocError, invalid
 from maploc.gravity import Gravity
 from maploc.photo import Photo
 from maploc.query import Prior, QueryOptions, View
@@ -116,13 +116,23 @@ class Client:
             map_version: the version that the map must have: FAILED_PRECONDITION (MAP_VERSION_MISMATCH) where robots
                 get another one. 0: whichever is enabled.
         """
-        map_info = self.map(map_name)
-        with wire.sent_text():
-            request = StartSessionRequest(
-                map=map_name, robot=robot, labels=labels, request_id=uuid.uuid4().hex, map_version=map_version
-            )
-        started = self._channel.call(self._localization.StartSession, request)
-        return Session(self, started.session_id, map_info)
+        if not (is_whole(map_version) and 0 <= map_version < 2**63):
+            invalid("map_version", "must be a whole number, not negative; 0 takes any", "OUT_OF_RANGE")
+        while True:
+            map_info = self.map(map_name)
+            with wire.sent_text():
+                request = StartSessionRequest(map=map_name, robot=robot, labels=labels, request_id=uuid.uuid4().hex)
+            # Insisted on, so that the session is on the version that `map_info` describes.
+            request.map_version = map_version or map_info.version
+            try:
+                started = self._channel.call(self._localization.StartSession, request)
+            except MaplocError as error:
+                if map_version or error.reason != "MAP_VERSION_MISMATCH":
+                    raise
+                continue  # another version was enabled in between
+            if map_version not in (0, map_info.version):  # the one that was asked for was
+                map_info = self.map(map_name)
+            return Session(self, started.session_id, map_info)
 
     def end_session(self, session_id: str, *, discard: bool = False) -> SessionSummary:
         """Ends a session by its id, for example one that a robot left open when it crashed. Idempotent.

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from maploc.answer import Pose
+from maploc.answer import Pose, check_pose
 from maploc.arrays import Floats, matrix_from_quaternion, quaternion_from_matrix
 from maploc.errors import invalid
 
@@ -50,7 +50,7 @@ class Anchor:
         try:
             with open(path, encoding="utf-8") as file:
                 fields = json.load(file)
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             invalid(os.fspath(path), f"cannot be read ({error})", "INVALID_FILE")
         if not isinstance(fields, dict) or set(fields) != set(_LIMITS):
             invalid(os.fspath(path), f"must be a JSON object of {', '.join(_LIMITS)}", "INVALID_FILE")
@@ -67,6 +67,7 @@ class Anchor:
         The quaternion is enu_from_body, in the plane that touches the ellipsoid at the body's own latitude and
         longitude: x east, y north, z up.
         """
+        check_pose("pose", pose)
         latitude, longitude = math.radians(self.latitude_degrees), math.radians(self.longitude_degrees)
         ecef_from_map = _ecef_from_enu(latitude, longitude) @ _enu_from_map(math.radians(self.heading_degrees))
         origin = _ecef(latitude, longitude, self.height_meters)

@@ -10,8 +10,17 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from maploc.answer import Pose
-from maploc.arrays import Floats, numbers, rigid_transform
+from maploc.answer import Pose, check_pose
+from maploc.arrays import (
+    LARGEST_METERS,
+    Floats,
+    is_number,
+    is_whole,
+    matrix_from_quaternion,
+    numbers,
+    quaternion_from_matrix,
+    rigid_transform,
+)
 from maploc.errors import invalid
 from maploc.odometry_decision import Decision, Gap, Verdict
 from maploc.odometry_drift import OdometryDrift
@@ -22,6 +31,7 @@ from maploc.odometry_track import Track
 # it.
 _NEW_PLACE_FACTOR = 1.5
 _TIMES_BETTER = 3.0
+_LARGEST_VARIANCE = 1e12  # beyond it a sum with what odometry adds is not exact
 
 
 @dataclass(frozen=True)
@@ -43,10 +53,10 @@ class TrackerOptions:
     smooth: bool = True
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.max_sigmas) and self.max_sigmas > 0):
+        if not (is_number(self.max_sigmas) and math.isfinite(self.max_sigmas) and self.max_sigmas > 0):
             invalid("max_sigmas", "must be finite and positive", "OUT_OF_RANGE")
-        if not 1 <= self.agreeing_answers <= 100:
-            invalid("agreeing_answers", "must be in 1 to 100", "OUT_OF_RANGE")
+        if not (is_whole(self.agreeing_answers) and 1 <= self.agreeing_answers <= 100):
+            invalid("agreeing_answers", "must be a whole number in 1 to 100", "OUT_OF_RANGE")
 
 
 class Tracker:
@@ -70,7 +80,7 @@ class Tracker:
             odom_from_base: 4 x 4, the odometry at the image's stamp.
             answer: with the same base as its body.
         """
-        here = rigid_transform("odom_from_base", odom_from_base)
+        here = _placed(odom_from_base)
         _check(answer)
         self._advance(here)
         gap = self._track.gap_to(here, answer) if self._track else None
@@ -87,12 +97,12 @@ class Tracker:
     def advance(self, odom_from_base: npt.ArrayLike) -> None:
         """To be called for images that were not localized, and where there are no images about once a metre: so the
         way's length is known, also of a robot that drives round in circles."""
-        self._advance(rigid_transform("odom_from_base", odom_from_base))
+        self._advance(_placed(odom_from_base))
 
     def map_from_base(self, odom_from_base: npt.ArrayLike) -> Pose | None:
         """The robot's pose, with the odometry of any moment since the last answer, for example the newest. None before
         the first pose."""
-        here = rigid_transform("odom_from_base", odom_from_base)
+        here = _placed(odom_from_base)
         return self._track.map_from_base(here) if self._track else None
 
     def map_from_odom(self) -> Pose | None:
@@ -145,16 +155,31 @@ def _worst(gap: Gap) -> float:
     return max(gap.position_sigmas, gap.rotation_sigmas)
 
 
+def _placed(odom_from_base: npt.ArrayLike) -> Floats:
+    """Checked, and its rotation exact: what is off by 1e-3 would be off by more in products."""
+    here = rigid_transform("odom_from_base", odom_from_base)
+    if float(np.abs(here[:3, 3]).max()) > LARGEST_METERS:
+        invalid("odom_from_base", "must be within 1e9 of the origin", "OUT_OF_RANGE")
+    exact = np.array(here)
+    exact[:3, :3] = matrix_from_quaternion(quaternion_from_matrix(here[:3, :3]))
+    return exact
+
+
 def _check(answer: Pose) -> None:
+    check_pose("answer", answer)
     covariance = numbers("answer.covariance", answer.covariance, (6, 6))
-    largest = float(np.abs(covariance).max())
-    if float(np.abs(covariance - covariance.T).max()) > 1e-6 * largest:  # printed, and read again
+    variances = np.diag(covariance)
+    if variances.min() < 0 or variances.max() > _LARGEST_VARIANCE:
+        invalid("answer.covariance", "its variances must be in 0 to 1e12", "NOT_A_COVARIANCE")
+    # Correlations: so that metres do not hide what is wrong with radians.
+    scale = np.array([1 / math.sqrt(variance) if variance > 0 else 1.0 for variance in variances])
+    correlations = scale[:, None] * covariance * scale
+    if float(np.abs(correlations - correlations.T).max()) > 1e-6:  # printed, and read again
         invalid("answer.covariance", "must be symmetric", "NOT_A_COVARIANCE")
+    cure = "must be positive semidefinite and not zero; send the answer's"
     try:
-        np.linalg.cholesky(covariance + 1e-12 * largest * np.eye(6))  # a singular one is one too
+        np.linalg.cholesky(correlations + 1e-12 * np.eye(6))  # a singular one is one too
     except np.linalg.LinAlgError:
-        cure = "must be positive semidefinite and not zero; send the answer's"
         invalid("answer.covariance", cure, "NOT_A_COVARIANCE")
-    numbers("answer.position_in_map", answer.position_in_map, (3,))
-    if abs(float(np.linalg.norm(numbers("answer.orientation_xyzw", answer.orientation_xyzw, (4,)))) - 1) > 1e-3:
-        invalid("answer.orientation_xyzw", "must have the norm 1; normalize it", "NOT_A_ROTATION")
+    if not variances.any():
+        invalid("answer.covariance", cure, "NOT_A_COVARIANCE")

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from maploc.arrays import Floats
+from maploc.arrays import Floats, numbers
 from maploc.errors import invalid
 from maploc.transforms import moving_jacobian
 
@@ -41,8 +41,8 @@ class OdometryDrift:
 
     def __post_init__(self) -> None:
         for name in ("at_rest", "per_meter", "per_radian"):
-            variances = getattr(self, name).variances()
-            if not np.isfinite(variances).all() or min(vars(getattr(self, name)).values()) < 0:
+            sigmas = numbers(f"drift.{name}", list(vars(getattr(self, name)).values()), (4,))
+            if sigmas.min() < 0 or sigmas.max() > 1e100:
                 invalid(f"drift.{name}", "must be finite and not negative", "OUT_OF_RANGE")
         if not self.at_rest.variances().all():
             invalid("drift.at_rest", "must be positive", "OUT_OF_RANGE")

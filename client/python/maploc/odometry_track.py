@@ -11,6 +11,10 @@ from maploc.odometry_decision import Gap
 from maploc.odometry_drift import OdometryDrift
 from maploc.transforms import difference, inverse, moving_jacobian, plus, rotation_vector
 
+# Frames that are nearer to each other show the same, and err alike.
+_PLACE_METERS = 0.05
+_PLACE_RADIANS = 0.05
+
 
 def moved(map_from_a: Pose, a_from_b: npt.ArrayLike) -> Pose:
     """The pose of a frame b whose 4 x 4 pose in a is exact: an error of a's rotation moves b too."""
@@ -31,7 +35,7 @@ class Track:
 
     def __init__(self, drift: OdometryDrift, here: Floats, answer: Pose) -> None:
         self._drift = drift
-        self._follow(here, _pose(answer.map_from_body, self._measured(answer)))
+        self._begin_place(here, None, _pose(answer.map_from_body, self._measured(answer)))
 
     def advance(self, here: Floats) -> None:
         """The robot came to here."""
@@ -61,21 +65,39 @@ class Track:
         )
 
     def take(self, here: Floats, answer: Pose, smooth: bool) -> None:
-        """Follows the answer: wholly, or smoothed with what was known before (a Kalman filter's update)."""
-        measured = self._measured(answer)
-        if not smooth:
-            self._follow(here, _pose(answer.map_from_body, measured))
-            return
-        expected = self.map_from_base(here)
-        gain = np.linalg.solve(expected.covariance + measured, expected.covariance).T
-        rest = np.eye(6) - gain
-        step = gain @ difference(answer.map_from_body, expected.map_from_body)
-        covariance = rest @ expected.covariance @ rest.T + gain @ measured @ gain.T
-        self._follow(here, _pose(plus(expected.map_from_body, step), covariance))
+        """Follows the answer: wholly, or smoothed with what was known before (a Kalman filter's update).
 
-    def _follow(self, here: Floats, map_from_base: Pose) -> None:
-        self._map_from_base = map_from_base  # at the last answer that was taken
-        self._here = here  # there
+        Smoothed answers of one place count as one, because they err alike.
+        """
+        measured = _pose(answer.map_from_body, self._measured(answer))
+        if smooth and self._is_at_this_place(here):
+            self._average(here, measured)
+            self._follow(here)
+        else:
+            self._begin_place(here, self.map_from_base(here) if smooth else None, measured)
+
+    def _begin_place(self, here: Floats, before: Pose | None, measured: Pose) -> None:
+        self._here = here  # where the place begins
+        self._before = before  # the belief there without its answers; None: it had none
+        self._mean = measured  # of its answers
+        self._answers = 1  # so many
+        self._follow(here)
+
+    def _is_at_this_place(self, here: Floats) -> bool:
+        turn = rotation_vector(inverse(self._here)[:3, :3] @ here[:3, :3])
+        way = math.dist(here[:3, 3], self._here[:3, 3])
+        return way < _PLACE_METERS and float(np.linalg.norm(turn)) < _PLACE_RADIANS
+
+    def _average(self, here: Floats, measured: Pose) -> None:
+        at_begin = moved(measured, inverse(here) @ self._here)
+        self._answers += 1
+        step = difference(at_begin.map_from_body, self._mean.map_from_body) / self._answers
+        # However their errors depend on each other, that of the mean is no larger.
+        covariance = self._mean.covariance + (at_begin.covariance - self._mean.covariance) / self._answers
+        self._mean = _pose(plus(self._mean.map_from_body, step), covariance)
+
+    def _follow(self, here: Floats) -> None:
+        self._map_from_base = _fused(self._before, self._mean) if self._before else self._mean  # where the place begins
         self._last_here = here  # where the way ends
         self._meters = self._radians = 0.0  # the way since the last answer that was taken
 
@@ -92,6 +114,17 @@ def _pose(map_from_body: Floats, covariance: Floats) -> Pose:
     return Pose(map_from_body[:3, 3], quaternion_from_matrix(map_from_body[:3, :3]), covariance)
 
 
+def _fused(expected: Pose, measured: Pose) -> Pose:
+    """A Kalman filter's update."""
+    gain = np.linalg.solve(expected.covariance + measured.covariance, expected.covariance).T
+    rest = np.eye(6) - gain
+    step = gain @ difference(measured.map_from_body, expected.map_from_body)
+    covariance = rest @ expected.covariance @ rest.T + gain @ measured.covariance @ gain.T
+    return _pose(plus(expected.map_from_body, step), covariance)
+
+
 def _sigmas(gap: Floats, covariance: Floats) -> float:
     """The largest contradiction over all directions of three dimensions, in standard deviations."""
-    return math.sqrt(float(gap @ np.linalg.solve(covariance, gap)))
+    squared = float(gap @ np.linalg.solve(covariance, gap))
+    # Rounding may leave no covariance where an answer's variances are 10^12 times odometry's.
+    return math.sqrt(squared) if squared >= 0 else math.inf

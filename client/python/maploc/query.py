@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from maploc.arrays import Floats, numbers, rigid_transform
+from maploc.arrays import Floats, is_whole, numbers, rigid_transform
 from maploc.camera import Camera
 from maploc.errors import invalid
 
@@ -175,7 +175,7 @@ class QueryOptions:
     map_version: int = 0
 
     def __post_init__(self) -> None:
-        if not 0 <= self.capture_unix_nanos < 2**63:
+        if not (is_whole(self.capture_unix_nanos) and 0 <= self.capture_unix_nanos < 2**63):
             invalid("options.capture_unix_nanos", "must be nanoseconds since 1970, not negative", "OUT_OF_RANGE")
-        if not 0 <= self.map_version < 2**63:
+        if not (is_whole(self.map_version) and 0 <= self.map_version < 2**63):
             invalid("options.map_version", "must not be negative; 0 takes any", "OUT_OF_RANGE")

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from maploc.arrays import is_number, is_whole
+from maploc.errors import invalid
 from maploc.odometry import Tracker
 
 # Of a horizontal error whose two directions have the larger of the standard deviations: 95% are nearer.
@@ -34,12 +36,17 @@ def mobile_robot_position(
         max_deviation_meters: how exact the site wants its robots to be.
         max_held_in_a_row: Tracker.held_in_a_row from which on the pose is not trusted.
     """
+    if not (is_number(max_deviation_meters) and math.isfinite(max_deviation_meters) and max_deviation_meters > 0):
+        invalid("max_deviation_meters", "must be finite and positive", "OUT_OF_RANGE")
+    if not (is_whole(max_held_in_a_row) and max_held_in_a_row > 0):
+        invalid("max_held_in_a_row", "must be a whole number, 1 or more", "OUT_OF_RANGE")
     pose = tracker.map_from_base(odom_from_base)
     if pose is None:
         return None
     map_from_base = pose.map_from_body
     sigma = math.sqrt(float(np.linalg.eigvalsh(pose.covariance[:2, :2])[1]))
     deviation = _SIGMAS_OF_95_PERCENT * sigma
+    ratio = max_deviation_meters / sigma
     contradicted = tracker.held_in_a_row >= max_held_in_a_row
     return {
         "x": float(map_from_base[0, 3]),
@@ -47,6 +54,6 @@ def mobile_robot_position(
         "theta": math.atan2(map_from_base[1, 0], map_from_base[0, 0]),
         "mapId": map_id,
         "localized": deviation <= max_deviation_meters and not contradicted,
-        "localizationScore": 0.0 if contradicted else -math.expm1(-0.5 * (max_deviation_meters / sigma) ** 2),
+        "localizationScore": 0.0 if contradicted else -math.expm1(-0.5 * ratio * ratio),
         "deviationRange": deviation,
     }

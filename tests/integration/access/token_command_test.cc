@@ -66,7 +66,7 @@ TEST_F(TokenCommandTest, ATokenExpiresWhereItIsAskedTo) {
   ASSERT_EQ(listed.size(), 2u);
   for (const Json& token : listed) EXPECT_EQ(token["expires"].is_null(), token["id"] == forever);
   EXPECT_THAT(Token("list").out, HasSubstr("never"));
-  for (const char* wrong : {"90", "0d", "-1d", "soon", "99999999999999d", "1y"}) {
+  for (const char* wrong : {"90", "0d", "-1d", "d", "' d'", "soon", "99999999999999d", "1y"}) {
     EXPECT_EQ(Token("create --role viewer --expires " + std::string(wrong)).exit_code, 2) << wrong;
   }
 }

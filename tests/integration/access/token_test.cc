@@ -125,6 +125,8 @@ TEST_F(TokenTest, ARobotWorksUnderItsNameOnItsMapsInItsSessions) {
   const Client digger = ConnectAs(folder_.Read("digger"));
 
   EXPECT_EQ(Code(Start(rover, "street", "digger")), "PERMISSION_DENIED ROBOT_FORBIDDEN");
+  const std::string told = Start(rover, "street", "digger").message();
+  EXPECT_NE(told.find("under the token's name (--robot)"), std::string::npos) << told;
   EXPECT_EQ(Code(Start(rover, "yard", "rover")), "PERMISSION_DENIED MAP_FORBIDDEN");
   EXPECT_EQ(Code(rover.GetMap("yard").status()), "PERMISSION_DENIED MAP_FORBIDDEN");
   EXPECT_EQ(Code(digger.GetMap("yard").status()), "NOT_FOUND MAP_NOT_FOUND");

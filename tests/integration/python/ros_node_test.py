@@ -13,7 +13,7 @@ from maploc import ros
 from painted_room import FOCAL, HEIGHT, WIDTH, Shot
 from room_test_case import RoomTestCase
 from ros_stand_in import CameraInfo, Image, Imu, Node, Ros, filled
-from running_server import SOURCE
+from running_server import SOURCE, run
 
 NODE = SOURCE / "client" / "python" / "examples" / "ros_node.py"
 Floats = npt.NDArray[np.float64]
@@ -49,7 +49,7 @@ class RosNodeTest(RoomTestCase):
 
     def test_images_become_poses_tf_and_diagnostics(self) -> None:
         self.run_node()
-        self.assertEqual(self.segment_counts()[1], 1)  # the session counts
+        self.assertEqual(self.segment_counts()[1], 2)  # both sessions count
 
     def drive(self, node: Node) -> None:
         """What ROS would call, and what comes of it."""
@@ -63,6 +63,8 @@ class RosNodeTest(RoomTestCase):
         self.check_pose(node.published["pose"][-1], self.shots[0])
         self.check_tf(node)
         self.check_a_wrong_answer_is_held_back(node)
+        self.check_a_session_that_was_ended_is_begun_anew(node)
+        self.check_a_negative_stamp_is_told(node)
 
     def check_before_there_is_all_that_it_takes(self, node: Node) -> None:
         """Told, and no pose."""
@@ -84,6 +86,21 @@ class RosNodeTest(RoomTestCase):
         self.assertRegex(status.message, "odometry contradicts its position")
         self.assertEqual(vars(status.values[0]), {"key": "held back in a row", "value": "1"})
         self.check_pose(node.published["pose"][-1], self.shots[0])
+
+    def check_a_session_that_was_ended_is_begun_anew(self, node: Node) -> None:
+        """One image is lost."""
+        (ended,) = run("maploc-map", "sessions", "--store", str(self.folder / "store.db"))
+        self.client.end_session(ended["session"])
+        for second in (20, 21):
+            self.see(node, self.shots[0], second)
+        said = [(array.status[0].level, array.status[0].message) for array in node.published["/diagnostics"][-2:]]
+        self.assertIn("SESSION_CLOSED", said[0][1])
+        self.assertEqual(said[1][0], b"\0", said)
+
+    def check_a_negative_stamp_is_told(self, node: Node) -> None:
+        """No exception leaves the callback."""
+        node.callbacks["image"](self.image(self.shots[0], -1))
+        self.assertIn("negative", node.published["/diagnostics"][-1].status[0].message)
 
     def see(self, node: Node, shot: Shot, second: int) -> None:
         """Gravity, odometry and the image."""

@@ -9,6 +9,7 @@ import unittest
 from collections.abc import Iterable
 from concurrent import futures
 from typing import Any
+from unittest import mock
 
 import grpc
 import maploc
@@ -73,12 +74,16 @@ class StandIn(localization_service_pb2_grpc.LocalizationServiceServicer):
 
 
 class OneMap(map_service_pb2_grpc.MapServiceServicer):
-    """A map without features."""
+    """A map without features. Its versions are told call by call, the last one for ever."""
+
+    versions = [0]
 
     def GetMap(self, request: map_service_pb2.GetMapRequest, context: Any) -> map_service_pb2.GetMapResponse:
         """The map."""
         source = types_pb2.Similarity3(scale=1, rotation=types_pb2.Quaternion(w=1), translation=types_pb2.Vector3())
-        return map_service_pb2.GetMapResponse(map=map_service_pb2.Map(name=request.map, map_from_source=source))
+        version = self.versions[0] if len(self.versions) == 1 else self.versions.pop(0)
+        found = map_service_pb2.Map(name=request.map, version=version, map_from_source=source)
+        return map_service_pb2.GetMapResponse(map=found)
 
 
 class StandInTest(unittest.TestCase):
@@ -145,6 +150,22 @@ class StandInTest(unittest.TestCase):
         self.assertEqual([request.map_version for request in stand_in.requests], [4, 5])
         with self.assertRaisesRegex(maploc.MaplocError, "map_version"):
             maploc.QueryOptions(map_version=-1)
+
+    def test_a_session_knows_the_version_that_it_is_on(self) -> None:
+        mismatch = (("maploc-reason", "MAP_VERSION_MISMATCH"),)
+        stand_in = StandIn([(grpc.StatusCode.FAILED_PRECONDITION, "version 4 is enabled", mismatch)])
+        client = self.client(stand_in)
+        with mock.patch.object(OneMap, "versions", [3, 4]):  # an import comes in between
+            session = client.session("yard", "cart")
+        self.assertEqual([request.map_version for request in stand_in.requests], [3, 4])
+        self.assertEqual(session.map.version, 4)
+
+    def test_a_version_that_cannot_be_is_refused_by_name(self) -> None:
+        client = self.client(StandIn())
+        for wrong in (2**63, -1, 1.5, "1"):
+            with self.assertRaises(maploc.MaplocError) as raised:
+                client.session("yard", "cart", map_version=wrong)  # type: ignore[arg-type]
+            self.assertEqual(raised.exception.field, "map_version")
 
     def test_a_repeated_start_is_one_session(self) -> None:
         stand_in = StandIn([UNAVAILABLE])

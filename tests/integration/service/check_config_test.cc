@@ -1,8 +1,11 @@
 // maploc-server --check-config: what a start would use and refuse, without starting.
 #include <cstdlib>
+#include <filesystem>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "mapstore/store/sqlite_store.h"
 #include "tests/support/certificates.h"
@@ -13,9 +16,22 @@
 namespace maploc::testing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Json = nlohmann::json;
+
+// Root may write everywhere.
+class AsNobody {
+ public:
+  AsNobody() { EXPECT_TRUE(!was_root_ || setresuid(65534, 65534, 0) == 0); }
+  ~AsNobody() { EXPECT_TRUE(!was_root_ || setresuid(0, 0, 0) == 0); }
+  AsNobody(const AsNobody&) = delete;
+  AsNobody& operator=(const AsNobody&) = delete;
+
+ private:
+  const bool was_root_ = geteuid() == 0;
+};
 
 class CheckConfigTest : public ::testing::Test {
  protected:
@@ -115,6 +131,44 @@ TEST_F(CheckConfigTest, AStoreThatIsToBeMadeIsNotMade) {
   EXPECT_EQ(Check("--store " + folder_.File("fresh")).exit_code, 0);
   EXPECT_FALSE(std::filesystem::exists(folder_.File("fresh")));
   EXPECT_THAT(Check("--store " + folder_.File("no/folder/store")).error, HasSubstr("make it"));
+}
+
+TEST_F(CheckConfigTest, WhatAStartWouldMakeMustHaveAFolderThatMayBeWritten) {
+  EXPECT_THAT(Check("--port-file /nonexistent/port --store " + store_).error,
+              AllOf(HasSubstr("--port-file"), HasSubstr("FOLDER_NOT_FOUND")));
+  std::filesystem::create_directory(folder_.File("closed"));
+  chmod(folder_.File("closed").c_str(), 0555);
+  chmod(folder_.path().c_str(), 0755);
+  const AsNobody nobody;
+  EXPECT_THAT(Check("--store " + folder_.File("closed/store")).error, HasSubstr("CANNOT_WRITE"));
+}
+
+TEST_F(CheckConfigTest, TwoListenersOnOneAddressAreAFault) {
+  const std::string check = "--insecure --store " + store_ + " --listen 127.0.0.1:50991 ";
+  for (const char* same : {"127.0.0.1:50991", "localhost:50991", "0.0.0.0:50991"}) {
+    EXPECT_THAT(Check(check + "--metrics-listen " + same).error, HasSubstr("SAME_ADDRESS"));
+  }
+  EXPECT_EQ(Check(check + "--metrics-listen 127.0.0.1:50992").exit_code, 0);
+  EXPECT_EQ(
+      Check("--store " + store_ + " --listen 127.0.0.1:0 --metrics-listen 127.0.0.1:0").exit_code,
+      0);
+}
+
+TEST_F(CheckConfigTest, AnAuthorityThatHasExpiredAndAPipeAreFaults) {
+  const Authority authority("maploc");
+  const Issued server = authority.Issue("IP:127.0.0.1");
+  const std::string expired = authority.Issue("IP:127.0.0.1", kExpired).cert;
+  folder_.Write("server.crt", server.cert);
+  folder_.Write("server.key", server.key);
+  folder_.Write("expired.crt", expired);
+  folder_.Write("both.crt", expired + authority.ca());
+  const std::string check = "--store " + store_ + " --tls-key " + folder_.File("server.key");
+  const std::string good = check + " --tls-cert " + folder_.File("server.crt");
+  EXPECT_THAT(Check(good + " --tls-client-ca " + folder_.File("expired.crt")).error,
+              HasSubstr("TLS_CERTIFICATE_EXPIRED"));
+  EXPECT_EQ(Check(good + " --tls-client-ca " + folder_.File("both.crt")).exit_code, 0);
+  ASSERT_EQ(mkfifo(folder_.File("pipe").c_str(), 0600), 0);
+  EXPECT_THAT(Check(check + " --tls-cert " + folder_.File("pipe")).error, HasSubstr("is a pipe"));
 }
 
 }  // namespace

@@ -55,6 +55,11 @@ TEST_F(MapVersions, OneThatNobodyUsesIsDeleted) {
   ASSERT_EQ(Map("import --store $STORE --from " + file_).exit_code, 0);
   ExpectFails("delete --store $STORE --map yard --version 1", "has 1 open sessions");
   ASSERT_EQ(Map("import --store $STORE --from " + file_).exit_code, 0);
+  for (const char* wrong : {"-1", "0", "1.5", "99999999999999999999"}) {
+    const Output run = Map("delete --store $STORE --map yard --version " + std::string(wrong));
+    EXPECT_EQ(run.exit_code, 2) << wrong;
+    EXPECT_THAT(run.error, HasSubstr("must be a whole number, 1 or more, got")) << wrong;
+  }
   EXPECT_EQ(Map("delete --store $STORE --map yard --version 2").exit_code, 0);
   EXPECT_EQ(States(), (std::vector<std::string>{"DISABLED", "ENABLED"}));
   EXPECT_EQ(Map("verify --store $STORE").exit_code, 0);

@@ -93,13 +93,31 @@ class Belief:
 
     def __init__(self, options, place, answer, covariance):
         self.options = options
-        self.set(place, answer, covariance + np.diag(variances(options["drift"]["at_rest"])))
+        self.begin(place, None, answer, covariance + np.diag(variances(options["drift"]["at_rest"])))
 
-    def set(self, place, stated, covariance):
-        self.places, self.stated, self.covariance = [place], stated, covariance
+    def begin(self, place, before, answer, measured):
+        """The answers of a place are kept with what was believed before them."""
+        self.first, self.before, self.answers = place, before, [(answer, measured)]
+        self.places, (self.stated, self.covariance) = [place], self.believed()
+
+    def believed(self):
+        """At the first place of all that belong together: the answers' mean counts as one answer."""
+        mean = self.answers[0][0]
+        for count, (answer, _) in enumerate(self.answers[1:], 2):
+            mean = disturbed(mean, error_between(answer, mean) / count)
+        measured = sum(covariance for _, covariance in self.answers) / len(self.answers)
+        if not self.before:
+            return mean, measured
+        stated, expected = self.before
+        # Least squares over twelve whitened equations: step = 0 by odometry, step = error by the answers.
+        whitened = [np.linalg.inv(np.linalg.cholesky(c)) for c in (expected, measured)]
+        equations = np.vstack(whitened)
+        wanted = np.concatenate([np.zeros(6), whitened[1] @ error_between(mean, stated)])
+        step = np.linalg.lstsq(equations, wanted, rcond=None)[0]
+        return disturbed(stated, step), np.linalg.inv(equations.T @ equations)
 
     def expected(self, place):
-        step = np.linalg.inv(self.places[0]) @ place
+        step = np.linalg.inv(self.first) @ place
         moved = jacobian(lambda base: base @ step, self.stated)
         meters = radians = 0.0
         for a, b in zip(self.places, self.places[1:] + [place]):
@@ -129,16 +147,16 @@ class Belief:
 
     def take(self, place, answer, covariance):
         measured = covariance + np.diag(variances(self.options["drift"]["at_rest"]))
+        back = np.linalg.inv(place) @ self.first
+        near = np.linalg.norm(back[:3, 3]) < 0.05 and np.linalg.norm(log(back[:3, :3])) < 0.05
         if not self.options["smooth"]:
-            self.set(place, answer, measured)
-            return
-        stated, expected = self.expected(place)
-        # Least squares over twelve whitened equations: step = 0 by odometry, step = error by the answer.
-        whitened = [np.linalg.inv(np.linalg.cholesky(c)) for c in (expected, measured)]
-        equations = np.vstack(whitened)
-        wanted = np.concatenate([np.zeros(6), whitened[1] @ error_between(answer, stated)])
-        step = np.linalg.lstsq(equations, wanted, rcond=None)[0]
-        self.set(place, disturbed(stated, step), np.linalg.inv(equations.T @ equations))
+            self.begin(place, None, answer, measured)
+        elif not near:
+            self.begin(place, self.expected(place), answer, measured)
+        else:
+            moved = jacobian(lambda base: base @ back, answer)
+            self.answers.append((answer @ back, moved @ measured @ moved.T))
+            self.places, (self.stated, self.covariance) = [place], self.believed()
 
 
 class Rules:
@@ -217,10 +235,12 @@ OFFSETS = {
 def drive(name, options, kinds):
     """`kinds`: one letter an image: g good, w wrong, r wrong in its rotation, n not localized, K the robot is carried
     away before it (then good), s 0.3 m off, which a long way without answers may explain, m 0.28 m off, which only
-    other answers of a new place agree with, y 0.3 m off in another direction."""
+    other answers of a new place agree with, y 0.3 m off in another direction, h good, and the robot has hardly moved."""
     truth, place, rules, steps = pose([3, -2, 0.5], [0.1, -0.2, 2.5]), pose([10, 20, 0], [0, 0, -1.0]), Rules(options), []
     for kind in kinds:
         step = pose([RANDOM.uniform(0.05, 1.5), RANDOM.normal() * 0.05, 0], RANDOM.normal(size=3) * [0.02, 0.02, 0.3])
+        if kind == "h":
+            step = pose([0.01, -0.01, 0], [0, 0.001, 0.01])
         truth, place = truth @ step, place @ step @ pose(RANDOM.normal(size=3) * 0.002, RANDOM.normal(size=3) * 0.001)
         if kind == "K":
             truth = pose([40, 5, -1], [0, 0.1, -3.0])
@@ -236,8 +256,8 @@ def drive(name, options, kinds):
             entry["verdict"], entry["gap"], entry["agreeing"] = verdict, gap, agreeing
         entry["held_in_a_row"] = rules.held
         if rules.belief:
-            back = jacobian(lambda base: base @ np.linalg.inv(rules.belief.places[0]), rules.belief.stated)
-            at_origin = rules.belief.stated @ np.linalg.inv(rules.belief.places[0])
+            back = jacobian(lambda base: base @ np.linalg.inv(rules.belief.first), rules.belief.stated)
+            at_origin = rules.belief.stated @ np.linalg.inv(rules.belief.first)
             entry["map_from_odom"] = uncertain(at_origin, back @ rules.belief.covariance @ back.T)
             later = place @ pose([0.4, 0.1, 0], [0, 0, 0.2])
             entry["later_odom_from_base"] = numbers(later)
@@ -266,6 +286,7 @@ def main():
         drive("two that agree suffice", {**usual, "agreeing_answers": 2}, "wgggwwgKggg"),
         drive("nothing is held back", {**usual, "agreeing_answers": 1}, "gwgg"),
         drive("better odometry, another gate", {**usual, "drift": exact, "max_sigmas": 4.5}, "gggggwgnnsggrg"),
+        drive("answers of one place count as one", usual, "hhhhhhgghhhwhhhhhhgKhhhhg"),
     ]
     rounded = json.loads(json.dumps(drives), parse_float=lambda text: float(f"{float(text):.12g}"))
     print(json.dumps(rounded, separators=(",", ":")).replace('{"name"', '\n{"name"'))

@@ -60,21 +60,49 @@ TEST_F(TrackerTest, TheWayOfARobotThatDrivesInCirclesIsKnown) {
   EXPECT_NEAR(after - before, std::pow(0.02 * 4.0, 2), 1e-9);
 }
 
+TEST_F(TrackerTest, AStandingRobotGetsNoMoreCertainThanItsAnswersAre) {
+  Tracker fresh = *Tracker::Create();
+  const auto judge = [&fresh](double x, double off) {
+    ASSERT_TRUE(fresh.Judge(At(x), {At(x, off), kCovariance})->taken());
+  };
+  for (int i = 0; i < 2; ++i) ASSERT_FALSE(fresh.Judge(At(0.0), {At(0.0), kCovariance})->taken());
+  for (int i = 0; i < 500; ++i) judge(0.01 * (i % 4), 0.0);  // its odometry trembles
+  const UncertainPose pose = *fresh.MapFromBase(At(0.0));
+  for (int i = 0; i < 6; ++i) EXPECT_GE(pose.covariance(i, i), kCovariance(i, i)) << i;
+  EXPECT_LT(pose.covariance(0, 0), 2.0 * kCovariance(0, 0)) << "nor does it forget where it is";
+}
+
+TEST_F(TrackerTest, AStandingRobotIsNotDrawnToWhatItsAnswersHaveInCommon) {
+  for (double x = 1.5; x < 10.0; x += 0.5) ASSERT_TRUE(AnswerAt(x)->taken());
+  const auto error = [this] {
+    return tracker_.MapFromBase(At(10.0))->map_from_body.translation.y();
+  };
+  ASSERT_TRUE(AnswerAt(10.0, 0.06)->taken());
+  const double once = error();
+  for (int i = 0; i < 500; ++i) ASSERT_TRUE(AnswerAt(10.0, 0.06)->taken());
+  EXPECT_NEAR(error(), once, 1e-9);
+  EXPECT_LT(once, 0.03);
+}
+
 TEST_F(TrackerTest, WhatIsNoInputIsRefusedByNameAndChangesNothing) {
   const double nan = std::nan("");
   const Rigid3 doubled{Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0), Eigen::Vector3d::Zero()};
   PoseCovariance skewed = kCovariance;
   skewed(0, 1) = 5e-4;
+  PoseCovariance mixed = 1e10 * PoseCovariance::Identity();  // metres that hide radians
+  mixed(5, 5) = -5e-3;
   const auto message = [&](const Rigid3& here, const UncertainPose& answer) {
     const Result<Decision> decision = tracker_.Judge(here, answer);
     return decision.ok() ? std::string("taken for good") : decision.status().message();
   };
   EXPECT_THAT(message(At(nan), {At(0.0), kCovariance}), StartsWith("odom_from_base: "));
   EXPECT_THAT(message(doubled, {At(0.0), kCovariance}), StartsWith("odom_from_base: "));
+  EXPECT_THAT(message(At(1e200), {At(0.0), kCovariance}), StartsWith("odom_from_base: "));
   EXPECT_THAT(message(At(9.0), {At(nan), kCovariance}), StartsWith("answer.map_from_body: "));
   EXPECT_THAT(message(At(9.0), {doubled, kCovariance}), StartsWith("answer.map_from_body: "));
-  for (const PoseCovariance& bad : {PoseCovariance(nan * kCovariance), PoseCovariance(-kCovariance),
-                                    PoseCovariance(0.0 * kCovariance), skewed}) {
+  for (const PoseCovariance& bad :
+       {PoseCovariance(nan * kCovariance), PoseCovariance(-kCovariance),
+        PoseCovariance(0.0 * kCovariance), skewed, mixed, PoseCovariance(1e300 * kCovariance)}) {
     EXPECT_THAT(message(At(9.0), {At(9.0), bad}), StartsWith("answer.covariance: "));
   }
   EXPECT_FALSE(tracker_.Advance(At(nan)).ok());
@@ -87,7 +115,10 @@ TEST(TrackerOptions, BadOnesAreRefusedByName) {
     return Tracker::Create(options).status().message();
   };
   EXPECT_THAT(message({.drift = {.at_rest = {}}}), StartsWith("drift.at_rest: "));
+  EXPECT_THAT(message({.drift = {.at_rest = {1e-200, 1.0, 1.0, 1.0}}}),
+              StartsWith("drift.at_rest: "));
   EXPECT_THAT(message({.drift = {.per_meter = {-1.0}}}), StartsWith("drift.per_meter: "));
+  EXPECT_THAT(message({.drift = {.per_meter = {1e200}}}), StartsWith("drift.per_meter: "));
   EXPECT_THAT(message({.drift = {.per_radian = {std::nan("")}}}), StartsWith("drift.per_radian: "));
   EXPECT_THAT(message({.max_sigmas = 0.0}), StartsWith("max_sigmas: "));
   EXPECT_THAT(message({.agreeing_answers = 0}), StartsWith("agreeing_answers: "));

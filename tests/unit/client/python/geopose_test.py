@@ -55,12 +55,24 @@ class GeoPoseTest(unittest.TestCase):
         for fields in geopose.values():
             self.assertTrue(all(isinstance(value, float) and math.isfinite(value) for value in fields.values()))
 
+    def test_what_is_no_pose_is_refused_by_name(self) -> None:
+        anchor, good = Anchor(48.0, 11.0, 500.0, 30.0), np.array([0, 0, 0, 1.0])
+        for position, orientation, field in [
+            (np.full(3, math.nan), good, "pose.position_in_map"),
+            (np.full(3, 1e200), good, "pose.position_in_map"),
+            (np.zeros(3), 2 * good, "pose.orientation_xyzw"),
+            (np.zeros(3), 0 * good, "pose.orientation_xyzw"),
+        ]:
+            with self.subTest(field=field), self.assertRaises(maploc.MaplocError) as raised:
+                anchor.geopose(maploc.Pose(position, orientation, np.eye(6)))
+            self.assertEqual(raised.exception.field, field)
+
     def test_an_anchor_is_kept_in_a_file(self) -> None:
         path = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "anchor.json"
         anchor = Anchor(48.1, 11.6, 520.5, 12.25)
         anchor.write(path)
         self.assertEqual(Anchor.read(path), anchor)
-        for text in ("no JSON", "[]", '{"latitude_degrees": 1}'):
+        for text in ("no JSON", "[]", 100000 * "[", '{"latitude_degrees": 1}'):
             path.write_text(text)
             with self.assertRaisesRegex(maploc.MaplocError, "anchor.json"):
                 Anchor.read(path)

@@ -128,13 +128,26 @@ class TrackerTest(unittest.TestCase):
         self.assertGreater(after.covariance[0, 0], before.covariance[0, 0] + 0.03**2)
         self.assertEqual(self.tracker.held_in_a_row, 0)
 
+    def test_a_standing_robot_gets_no_more_certain_than_its_answers_are(self) -> None:
+        self.tracker = maploc.Tracker()
+        for _ in range(200):
+            self.answer_at(0.0)
+        pose = self.tracker.map_from_base(self.at(0.0))
+        assert pose is not None
+        self.assertGreaterEqual(np.diag(pose.covariance).min(), 1e-3)
+
     def test_what_is_no_input_is_refused_by_name(self) -> None:
         good = maploc.Pose(np.zeros(3), np.array([0, 0, 0, 1.0]), np.eye(6))
         skew = np.eye(6)
         skew[0, 1] = 0.5
+        hidden = np.diag([1e10, 1e10, 1e10, 1e-5, 1e-5, -5e-3])  # metres that hide radians
+        far = np.eye(4)
+        far[0, 3] = 1e200
         for here, pose, field in [
             (np.full((4, 4), math.nan), good, "odom_from_base"),
             (np.eye(3), good, "odom_from_base"),
+            (far, good, "odom_from_base"),
+            (np.eye(4), maploc.Pose(np.zeros(3), good.orientation_xyzw, hidden), "answer.covariance"),
             (np.eye(4), maploc.Pose(np.zeros(3), good.orientation_xyzw, np.zeros((6, 6))), "answer.covariance"),
             (np.eye(4), maploc.Pose(np.zeros(3), good.orientation_xyzw, -np.eye(6)), "answer.covariance"),
             (np.eye(4), maploc.Pose(np.zeros(3), good.orientation_xyzw, skew), "answer.covariance"),
@@ -151,8 +164,19 @@ class TrackerTest(unittest.TestCase):
                 maploc.OdometryDrift(per_meter=maploc.PoseSigmas(0, bad, 0, 0))
         with self.assertRaisesRegex(maploc.MaplocError, "max_sigmas"):
             maploc.TrackerOptions(max_sigmas=0)
-        with self.assertRaisesRegex(maploc.MaplocError, "agreeing_answers"):
-            maploc.TrackerOptions(agreeing_answers=0)
+        for wrong in (0, 2.5, "3"):
+            with self.assertRaisesRegex(maploc.MaplocError, "agreeing_answers"):
+                maploc.TrackerOptions(agreeing_answers=wrong)  # type: ignore[arg-type]
+        with self.assertRaisesRegex(maploc.MaplocError, "max_sigmas"):
+            maploc.TrackerOptions(max_sigmas="3")  # type: ignore[arg-type]
+
+    def test_odometry_that_is_a_rotation_but_for_rounding_stays_one(self) -> None:
+        rounded = np.diag([1.0004, 1.0004, 1.0004, 1])
+        answer = maploc.Pose(np.zeros(3), np.array([0, 0, 0, 1.0]), 1e-3 * np.eye(6))
+        self.assertTrue(self.tracker.judge(rounded, answer).taken)
+        pose = self.tracker.map_from_base(rounded)
+        assert pose is not None
+        np.testing.assert_allclose(pose.map_from_body[:3, :3], np.eye(3), atol=1e-9)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 import json
 import math
 import unittest
+from typing import Any
 
 import maploc
 import numpy as np
@@ -73,6 +74,16 @@ class MobileRobotPositionTest(unittest.TestCase):
             self.assertEqual(position["localized"], position["localizationScore"] >= 0.95)
         self.assertTrue(all(was_localized[:5]))
         self.assertFalse(any(was_localized[20:]))
+
+    def test_bounds_that_make_no_sense_are_refused_by_name(self) -> None:
+        self.start()
+        for name, bad in [("max_deviation_meters", math.nan), ("max_deviation_meters", -1), ("max_held_in_a_row", 0)]:
+            bounds: dict[str, Any] = {name: bad}
+            with self.assertRaisesRegex(maploc.MaplocError, name):
+                mobile_robot_position(self.tracker, self.at(1.0), "hall", **bounds)
+        position = mobile_robot_position(self.tracker, self.at(1.0), "hall", max_deviation_meters=1e200)
+        assert position is not None
+        self.assertEqual(position["localizationScore"], 1)
 
     def test_one_contradicted_answer_is_not_lost_but_ten_in_a_row_are(self) -> None:
         self.start()

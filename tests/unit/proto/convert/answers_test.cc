@@ -265,6 +265,10 @@ TEST(SessionConvert, StartIsRefusedWithTheField) {
   ExpectStartRefused(request, "labels[light]: ");
 
   request = ValidStart();
+  (*request.mutable_labels())["a]: forged: b"] = std::string(129, 'v');
+  ExpectStartRefused(request, "labels: is 129 bytes long");
+
+  request = ValidStart();
   (*request.mutable_labels())[""] = "autumn";
   ExpectStartRefused(request, "labels: one has an empty key");
   request = ValidStart();
