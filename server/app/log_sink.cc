@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include <fcntl.h>
 #include <poll.h>
 #include <spdlog/sinks/base_sink.h>
 #include <unistd.h>
@@ -43,10 +44,18 @@ class LogSink final : public spdlog::sinks::base_sink<std::mutex> {
   const LostLines lost_;
 };
 
+// A terminal that has room for a byte may still hold up a line. Opened anew it can be told not to,
+// which would else hold for every program that writes to it.
+int OpenStandardError() {
+  if (isatty(STDERR_FILENO) == 0) return STDERR_FILENO;
+  const int own = open("/proc/self/fd/2", O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  return own >= 0 ? own : STDERR_FILENO;
+}
+
 }  // namespace
 
 LogFile& LogFile::StandardError() {
-  static LogFile file(STDERR_FILENO);
+  static LogFile file(OpenStandardError());
   return file;
 }
 
@@ -65,7 +74,8 @@ bool LogFile::WritePiece(std::string_view piece) {
     if (!HasRoom()) return false;
     const ssize_t written = write(file_, piece.data(), piece.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;  // the reader has gone, or the disk is full
+    // The reader has gone, the disk is full, or the terminal stands still.
+    if (written < 0) return false;
     piece.remove_prefix(static_cast<std::size_t>(written));
     in_line_ = true;
   }

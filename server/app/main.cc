@@ -54,22 +54,30 @@ void OpenLog(const maploc::ServerOptions& options) {
   KeepProtobufSilent();
 }
 
+std::string LastLine(const maploc::Status& status) {
+  return "maploc-server: " + status.message() + " (" + status.reason() + ")\n";
+}
+
 int Fail(const maploc::Status& status) {
-  // Not by the log, whose level or format may hide it.
-  std::cerr << "maploc-server: " << status.message() << " (" << status.reason() << ")\n";
+  std::cerr << LastLine(status);
   return 1;
 }
 
 // The last line is for whoever started the server, or for a program that reads the log.
 int FailWhileLogging(const maploc::Status& status, const maploc::ServerOptions& options) {
-  if (!options.request_log.json) return Fail(status);
-  spdlog::critical("{} ({})", status.message(), status.reason());
+  if (options.request_log.json) {
+    spdlog::critical("{} ({})", status.message(), status.reason());
+  } else {
+    // Not by the logger, whose level may hide it; and without waiting for a reader.
+    maploc::LogFile::StandardError().Write(LastLine(status));
+  }
   return 1;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  maploc::OpenStandardFiles();
   if (maploc::IsTokenCommand(argc, argv)) return maploc::RunTokenCommand(argc, argv);
   const maploc::CommandLine command_line = maploc::ParseCommandLine(argc, argv);
   if (command_line.exit_code) {

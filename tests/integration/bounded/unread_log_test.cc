@@ -1,5 +1,7 @@
 // A log that nobody reads: a pipe to a supervisor that stands still, a terminal after Ctrl-S.
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
 #include <string>
 
 #include <fcntl.h>
@@ -81,6 +83,21 @@ TEST_F(UnreadLogTest, HoldsUpNobodyAndCostsNoStatistics) {
   const auto asked = steady_clock::now();
   server_.Stop();
   EXPECT_LT(steady_clock::now() - asked, std::chrono::seconds(5));
+}
+
+// As after Ctrl-S, or on a serial line.
+TEST_F(UnreadLogTest, ATerminalThatStandsStillHoldsUpNobodyEither) {
+  server_.Stop();
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_GE(terminal, 0);
+  ASSERT_EQ(grantpt(terminal), 0);
+  ASSERT_EQ(unlockpt(terminal), 0);
+  std::filesystem::remove(folder_.File("stderr"));
+  std::filesystem::create_symlink(ptsname(terminal), folder_.File("stderr"));
+  address_ = server_.Start();
+  for (int i = 0; i < 120; ++i) ASSERT_EQ(OneSession().queries, 2);
+  server_.Stop();
+  close(terminal);
 }
 
 TEST_F(UnreadLogTest, HasNoLineThatIsNotTheServersOwn) {
