@@ -56,4 +56,7 @@ int Main(int argc, char** argv) {
 }  // namespace
 }  // namespace maploc
 
-int main(int argc, char** argv) { return maploc::Main(argc, argv); }
+int main(int argc, char** argv) {
+  maploc::OpenStandardFiles();
+  return maploc::Main(argc, argv);
+}

@@ -5,7 +5,17 @@
 #include <cstring>
 #include <iostream>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 namespace maploc {
+
+void OpenStandardFiles() {
+  // Open takes the lowest number that is free.
+  int file = 0;
+  while (file >= 0 && file <= STDERR_FILENO) file = open("/dev/null", O_RDWR);
+  if (file > STDERR_FILENO) close(file);
+}
 
 Status FlushStandardOutput() {
   errno = 0;

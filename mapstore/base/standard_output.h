@@ -6,6 +6,11 @@
 
 namespace maploc {
 
+// Gives the numbers of standard input, output and error that the caller has closed to /dev/null.
+// Else the next file that the program opens has that number, and gets what is printed. To be called
+// first of all.
+void OpenStandardFiles();
+
 // Writes out what std::cout and stdio still hold. DATA_LOSS (OUTPUT_LOST) when that, or anything
 // printed before, failed. To be called once a command has printed all, before it says that it is
 // done.

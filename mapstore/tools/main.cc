@@ -68,6 +68,7 @@ int Report(const maploc::Status& status) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  maploc::OpenStandardFiles();
   // At a limit on the size of files a write fails, and that is told; the program is not ended.
   std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app("Makes, inspects and looks after maploc's stores", "maploc-map");

@@ -45,6 +45,15 @@ TEST_F(MaplocMap, AnImportedMapIsANewVersionAndNothingIsReplaced) {
   EXPECT_EQ(OpenSqliteStore(store_).value()->GetSession("s")->map.version, before);
 }
 
+// The file must not get the number of the output that the caller has closed.
+TEST_F(MaplocMap, AClosedOutputDoesNotGetIntoTheFile) {
+  const std::string file = folder_.File("yard.maploc");
+  const std::string command = std::string(MAPLOC_BIN_DIR) + "/maploc-map export --store " + store_ +
+                              " --map yard --to " + file + " <&- >&- 2>&-";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  EXPECT_EQ(Map("import --store " + folder_.File("other.db") + " --from " + file).exit_code, 0);
+}
+
 // As `ulimit -f` sets it; a file system's largest file is the same to SQLite.
 TEST_F(MaplocMap, AtALimitOnFilesTheCauseAndTheCureAreNamed) {
   const std::string file = folder_.File("yard.maploc");
