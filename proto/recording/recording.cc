@@ -30,7 +30,8 @@ Result<std::vector<std::string>> FilesIn(const std::string& folder) {
   for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     const auto number = RecordingNumber(entry->path().filename().string());
-    if (number) files.emplace(*number, entry->path().string());
+    std::error_code none;
+    if (number && entry->is_regular_file(none)) files.emplace(*number, entry->path().string());
   }
   if (error) return InvalidArgument(folder, "cannot be read: " + error.message(), "NOT_READABLE");
   if (files.empty()) return NothingIn(folder);

@@ -1,5 +1,7 @@
 #include "proto/recording/recording_file.h"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <utility>
 
@@ -56,6 +58,19 @@ std::optional<Frame> RecordingFile::ReadFrame() {
   return FrameFromBytes(bytes);
 }
 
+// A file system that lost its power may have kept a file's new length and not its end.
+bool RecordingFile::HasZerosAlone() {
+  std::array<char, 4096> bytes{};
+  file_.clear();
+  file_.seekg(offset_);
+  while (file_) {
+    file_.read(bytes.data(), bytes.size());
+    const auto end = bytes.begin() + file_.gcount();
+    if (std::any_of(bytes.begin(), end, [](char byte) { return byte != 0; })) return false;
+  }
+  return true;
+}
+
 Status RecordingFile::Damaged(const std::string& what) const {
   return Status(StatusCode::kDataLoss, "DAMAGED_RECORDING",
                 path_ + ": byte " + std::to_string(offset_) + ": " + what +
@@ -65,6 +80,7 @@ Status RecordingFile::Damaged(const std::string& what) const {
 Result<std::optional<RecordedQuery>> RecordingFile::Next() {
   const std::optional<Frame> frame = ReadFrame();
   if (!frame) return std::optional<RecordedQuery>();
+  if (frame->length == 0 && HasZerosAlone()) return std::optional<RecordedQuery>();
   if (frame->length == 0 || frame->length > kMaxRecordBytes) {
     return Damaged("a record of " + std::to_string(frame->length) + " bytes cannot be");
   }

@@ -30,6 +30,8 @@ class RecordingFile {
   RecordingFile(std::string path, std::ifstream file, std::int64_t size);
   // None: the file ends within the frame.
   std::optional<Frame> ReadFrame();
+  // From here to the end.
+  bool HasZerosAlone();
   Status Damaged(const std::string& what) const;
 
   std::string path_;

@@ -19,6 +19,9 @@ namespace {
 
 constexpr std::int64_t kFiles = 16;
 
+// Names in a row that somebody else has taken.
+constexpr int kMostTaken = 1000;
+
 Status Unusable(const std::string& folder, const std::string& what) {
   return Status(StatusCode::kFailedPrecondition, "RECORDER_UNUSABLE",
                 "--recorder: " + folder + ": " + what);
@@ -69,7 +72,9 @@ Status RecordingRing::List() {
   for (std::filesystem::directory_iterator entry(folder_, error), end; !error && entry != end;
        entry.increment(error)) {
     const auto number = RecordingNumber(entry->path().filename().string());
-    if (!number || !entry->is_regular_file(error)) continue;
+    // A link that leads nowhere is no error.
+    std::error_code none;
+    if (!number || !entry->is_regular_file(none)) continue;
     const auto size = static_cast<std::int64_t>(entry->file_size(error));
     files_[*number] = size;
     bytes_ += size;
@@ -116,10 +121,17 @@ Status RecordingRing::CheckFreeSpace(std::int64_t bytes) const {
 }
 
 Status RecordingRing::StartFile() {
-  const std::string path = PathOf(next_);
-  // A new one: nothing that somebody has put there is followed or overwritten.
-  OwnedFd file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
-  if (!file) return Failed("a file cannot be made", errno);
+  std::string path = PathOf(next_);
+  const auto make = [&path] {
+    // A new one: nothing that somebody has put there is followed or overwritten.
+    return OwnedFd(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
+  };
+  OwnedFd file = make();
+  for (int taken = 0; !file && errno == EEXIST && taken < kMostTaken; ++taken) {
+    path = PathOf(++next_);
+    file = make();
+  }
+  if (!file) return Failed(("a file cannot be made: " + path).c_str(), errno);
   const std::int64_t number = next_++;
   files_[number] = 0;
   file_ = std::move(file);

@@ -72,6 +72,13 @@ TEST_F(RecordingTest, AnEndThatAKilledServerHasTornIsSkipped) {
   }
 }
 
+// The file's length was on the disk, its end was not.
+TEST_F(RecordingTest, AnEndOfZerosIsSkipped) {
+  const auto all = ReadAll(RecordingBytes({ValidRecord()}) + std::string(10000, '\0'));
+  ASSERT_TRUE(all.ok()) << all.status().ToString();
+  EXPECT_EQ(all->size(), 1u);
+}
+
 TEST_F(RecordingTest, ADamagedRecordIsRefusedWithFileAndByte) {
   const std::string one = RecordingBytes({ValidRecord()});
   std::string bytes = RecordingBytes({ValidRecord(), ValidRecord(), ValidRecord()});

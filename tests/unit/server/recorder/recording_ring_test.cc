@@ -150,6 +150,17 @@ TEST_F(RecordingRingTest, TheLastOfTheDiskIsLeftToOthers) {
   EXPECT_TRUE(ring->Append(Record(2)).ok());
 }
 
+TEST_F(RecordingRingTest, NamesThatAreTakenArePassedOver) {
+  std::filesystem::create_directory(Folder());
+  std::filesystem::create_directory(Folder() + "/" + RecordingName(1));
+  std::filesystem::create_symlink("nowhere", Folder() + "/" + RecordingName(2));
+  RecordingRing ring = Open();
+  const Status status = ring.Append(Record(1));
+  EXPECT_TRUE(status.ok()) << status.ToString();
+  EXPECT_THAT(Times(), ::testing::ElementsAre(1));
+  EXPECT_FALSE(std::filesystem::exists(Folder() + "/nowhere"));
+}
+
 TEST_F(RecordingRingTest, WhatAnOperatorDeletesIsNotMissed) {
   RecordingRing ring = Open();
   ASSERT_TRUE(ring.Append(Record(1)).ok());
