@@ -125,6 +125,7 @@ Status HandleLocalize(const ServiceContext& context, const Call& call,
   if (counted.turn.repeated() != nullptr) {
     const Localization& repeated = *counted.turn.repeated();
     TellAnswer(repeated, *call.facts);
+    call.facts->is_repeat = true;
     // The first answer, also where another version is enabled by now: it is the one that counts.
     LocalizationToProto(query, repeated, request.include_matches(), response);
     return Status::Ok();

@@ -40,7 +40,8 @@ struct RequestFacts {
   std::int64_t version = 0;  // 0: not known
   std::string session;
   std::optional<Outcome> outcome;
-  StageTimes times;  // where there is an outcome
+  StageTimes times;        // where there is an outcome
+  bool is_repeat = false;  // it got the answer that it had got before
 };
 
 // A call that is over.

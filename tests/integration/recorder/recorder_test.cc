@@ -93,6 +93,16 @@ TEST_F(RecorderTest, TheSameServerGivesTheRecordedAnswersAgain) {
   EXPECT_EQ(RunBinary(replay + " --strategy 2p").exit_code, 2);
 }
 
+TEST_F(RecorderTest, ARepeatedQueryIsRecordedOnce) {
+  const Client client(server_.Start());
+  Query query = QueryAt(2.0);
+  query.session = client.StartSession("street", "rover", {}).value();
+  query.request_id = "photo 1";
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(client.Localize(query).ok());
+  server_.Stop();
+  EXPECT_EQ(Recorded(), 1u);
+}
+
 TEST_F(RecorderTest, AKilledServerLeavesWhatItHasRecorded) {
   Drive(server_.Start());
   ASSERT_TRUE(WaitFor([this] {

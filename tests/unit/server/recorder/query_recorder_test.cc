@@ -70,7 +70,9 @@ TEST_F(QueryRecorderTest, NothingOfWhomTheServerTurnsAway) {
   Offer(RefusedRecord(StatusCode::kPermissionDenied, "MAP_FORBIDDEN"));
   Offer(RefusedRecord(StatusCode::kInvalidArgument, "OUT_OF_RANGE"));
   Offer(RefusedRecord(StatusCode::kUnavailable, "STORE_REPLACED"));
-  auto nowhere = RefusedRecord(StatusCode::kFailedPrecondition, "SESSION_CLOSED");
+  Offer(RefusedRecord(StatusCode::kFailedPrecondition, "SESSION_CLOSED"));
+  Offer(RefusedRecord(StatusCode::kFailedPrecondition, "MAP_VERSION_MISMATCH"));
+  auto nowhere = RefusedRecord(StatusCode::kFailedPrecondition, "DESCRIPTOR_KIND_MISMATCH");
   nowhere.clear_map();
   Offer(nowhere);
   EXPECT_EQ(Recorded().size(), 0u);
