@@ -144,10 +144,11 @@ Status RecordingRing::StartFile() {
   return status;
 }
 
-// An operator may delete what was recorded at any time.
+// An operator may delete what was recorded at any time, or cut it, as rotations of logs do.
 Status RecordingRing::ListAgainIfDeleted() {
   struct stat file {};
-  if (!file_ || (fstat(file_.get(), &file) == 0 && file.st_nlink > 0)) return Status::Ok();
+  const bool is_there = file_ && fstat(file_.get(), &file) == 0 && file.st_nlink > 0;
+  if (!file_ || (is_there && file.st_size == file_bytes_)) return Status::Ok();
   file_ = OwnedFd();
   return List();
 }

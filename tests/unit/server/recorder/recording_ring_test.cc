@@ -161,6 +161,14 @@ TEST_F(RecordingRingTest, NamesThatAreTakenArePassedOver) {
   EXPECT_FALSE(std::filesystem::exists(Folder() + "/nowhere"));
 }
 
+TEST_F(RecordingRingTest, AFileThatWasCutIsLeftAlone) {
+  RecordingRing ring = Open();
+  ASSERT_TRUE(ring.Append(Record(1)).ok());
+  std::filesystem::resize_file(Folder() + "/" + RecordingName(1), 0);
+  ASSERT_TRUE(ring.Append(Record(2)).ok());
+  EXPECT_THAT(Times(), ::testing::ElementsAre(2));
+}
+
 TEST_F(RecordingRingTest, WhatAnOperatorDeletesIsNotMissed) {
   RecordingRing ring = Open();
   ASSERT_TRUE(ring.Append(Record(1)).ok());
