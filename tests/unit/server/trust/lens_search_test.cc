@@ -107,7 +107,8 @@ TEST(LensSearch, TellsAPrincipalPointFromAWrongGravity) {
         Eigen::AngleAxisd(kTurnRad, Eigen::Vector3d::UnitX()) * turned.gravity_in_camera;
     of_gravity += IsRefused(turned, camera, true, random) ? 1 : 0;
   }
-  EXPECT_GE(of_lens, kProblems / 2);
+  // Half of them on average; none without the search for principal points.
+  EXPECT_GE(of_lens, kProblems / 4);
   EXPECT_LE(of_gravity, 1);
 }
 
