@@ -19,7 +19,6 @@ using Moment = std::chrono::steady_clock::time_point;
 constexpr int kRobots = 16;
 constexpr std::chrono::milliseconds kLongestLife{2500};
 constexpr std::chrono::milliseconds kLongestStart{150};
-// And as long as the store took for a write: the promise cannot be better than the disk.
 constexpr std::chrono::seconds kMayBeLost{1};
 
 int Kills() {
@@ -71,18 +70,11 @@ class KillTest : public ::testing::Test {
     EXPECT_EQ(verify.exit_code, 0) << verify.out << verify.error;
   }
 
-  Moment::duration LongestWrite() const {
-    Moment::duration longest{0};
-    for (const RobotDay& robot : robots_) longest = std::max(longest, robot.longest_write());
-    return longest;
-  }
-
   // What a robot was told of the session that the kill interrupted, and what the store has of it.
   void Settle(const MapStore& store, RunningSession& session) {
     const auto kept = static_cast<std::int64_t>(store.ListObservations(session.id)->size());
-    const Moment kept_since = killed_ - kMayBeLost - LongestWrite();
-    const auto old = std::ranges::count_if(session.answered,
-                                           [&](Moment moment) { return moment <= kept_since; });
+    const auto old = std::ranges::count_if(
+        session.answered, [this](Moment moment) { return moment <= killed_ - kMayBeLost; });
     ASSERT_GE(kept, session.settled + old) << "session " << session.id;
     EXPECT_LE(kept, session.Known() + session.unanswered) << "session " << session.id;
     for (std::int64_t i = kept; i < session.Known(); ++i) {

@@ -1,7 +1,5 @@
 #include "tests/integration/crash/robot_day.h"
 
-#include <algorithm>
-
 #include <gtest/gtest.h>
 
 namespace maploc::testing {
@@ -30,7 +28,6 @@ bool RobotDay::Served(const Status& status, const char* call) {
 
 void RobotDay::WorkUntilTheServerDies(const std::string& address) {
   const Client client(address, OneAttempt());
-  longest_write_ = {};
   while (true) {
     if (!running_ && !Begin(client)) return;
     while (!running_->end_was_asked && running_->Known() < running_->planned) {
@@ -40,14 +37,8 @@ void RobotDay::WorkUntilTheServerDies(const std::string& address) {
   }
 }
 
-void RobotDay::NoteWrite(std::chrono::steady_clock::time_point asked) {
-  longest_write_ = std::max(longest_write_, std::chrono::steady_clock::now() - asked);
-}
-
 bool RobotDay::Begin(const Client& client) {
-  const auto asked = std::chrono::steady_clock::now();
   const Result<SessionId> id = client.StartSession("street", name_, {{"season", "autumn"}});
-  NoteWrite(asked);
   if (!Served(id.status(), "StartSession")) return false;
   running_.emplace();
   running_->id = *id;
@@ -69,9 +60,7 @@ bool RobotDay::Ask(const Client& client) {
 
 bool RobotDay::End(const Client& client) {
   running_->end_was_asked = true;
-  const auto asked = std::chrono::steady_clock::now();
   const Result<SessionSummary> summary = client.EndSession(running_->id);
-  NoteWrite(asked);
   if (!Served(summary.status(), "EndSession")) return false;
   EXPECT_EQ(summary->queries, running_->Known()) << "session " << running_->id;
   ended_.emplace(running_->id, *summary);

@@ -41,9 +41,6 @@ class RobotDay {
   std::optional<RunningSession>& running() { return running_; }
   // What each answered EndSession said.
   const std::map<SessionId, SessionSummary>& ended() const { return ended_; }
-  // The longest that a start or an end took, or waited in vain, in the last server's life: each is
-  // a write of the store.
-  std::chrono::steady_clock::duration longest_write() const { return longest_write_; }
 
  private:
   // False when there is no server any more. Any other failure is the test's.
@@ -51,14 +48,12 @@ class RobotDay {
   bool Begin(const Client& client);
   bool Ask(const Client& client);
   bool End(const Client& client);
-  void NoteWrite(std::chrono::steady_clock::time_point asked);
 
   const std::string name_;
   const std::vector<Query>& queries_;
   Random random_;
   std::optional<RunningSession> running_;
   std::map<SessionId, SessionSummary> ended_;
-  std::chrono::steady_clock::duration longest_write_{0};
 };
 
 }  // namespace maploc::testing
